@@ -1,0 +1,18 @@
+"""The console that tables are printed on."""
+
+from __future__ import annotations
+
+import io
+import sys
+
+from rich.console import Console
+
+__all__ = ["console"]
+
+
+def console() -> Console:
+    """Standard output: colours in a terminal, plain text elsewhere."""
+    # where the encoding lacks a bar or a tick, a question mark is better than no table
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")
+    return Console(highlight=False, emoji=False, markup=False)

@@ -1,0 +1,149 @@
+"""Channels: an action's outcome as a table of probabilities given the property it measures.
+
+Readings are put on a mesh of their own, weights included, with a column for each end at which the
+sensor saturates, so that information is computed for numbers as for labels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+from palpate.inference.mesh import WIDTH, Mesh
+from palpate.network.sensors import Kernel, NormalNoise, NumberOutcome, NumberSensor, StudentTNoise
+
+__all__ = ["OUTCOME", "NumberChannel"]
+
+Array = NDArray[np.float64]
+
+OUTCOME = "(outcome)"
+"""Name of the axis of outcomes in tables."""
+NORMAL_REACH = 6.0
+HEAVY_TAIL = 1e-6
+SAMPLES = 96
+TAN_ORDER = 128
+
+
+class NumberChannel:
+    """A reading's distribution on a mesh of readings, given the true value of the measured property.
+
+    Parameters
+    ----------
+    past
+        The sensor's readings so far.
+    meshes
+        Of the measured property: the first is its own, the others are those of its charts with
+        other members, where it can be narrower given them.
+    """
+
+    def __init__(self, sensor: NumberSensor, past: Sequence[NumberOutcome], meshes: Sequence[Mesh]) -> None:
+        self.sensor = sensor
+        self.past = past
+        self.mesh = meshes[0]
+        self.readings = _reading_mesh(sensor, meshes)
+        self._tables: dict[bytes, Array] = {}
+        self.noise_nats = _noise_nats(sensor, sensor.predictive(past, self.mesh.nodes))
+
+    def table(self, mesh: Mesh) -> Array:
+        """p(reading | node of a mesh of the measured property) x weights (K, Y); rows sum to about one."""
+        key = mesh.edges.tobytes()
+        if key not in self._tables:
+            self._tables[key] = self._made(mesh)
+        return self._tables[key]
+
+    def _made(self, mesh: Mesh) -> Array:
+        finer = mesh.finer(self.sensor.scale(mesh.nodes))
+        if finer is None:
+            return _columns(self.sensor, self.sensor.predictive(self.past, mesh.nodes), self.readings)
+        # The noise is narrower than the mesh: average the kernel over each panel's polynomial.
+        nodes, share = finer
+        return np.asarray(share.T @ _columns(self.sensor, self.sensor.predictive(self.past, nodes), self.readings))
+
+    def differential(self, p: Array) -> float:
+        """What makes -sum p ln p of the reading a differential entropy: the mean log weight [nats]."""
+        return float(p[: self.readings.size] @ self.readings.log_weights)
+
+
+def _columns(sensor: NumberSensor, kernel: Kernel, readings: Mesh) -> Array:
+    columns = [kernel.density(readings.nodes) * readings.weights]
+    if np.isfinite(sensor.low):
+        columns.append(kernel.cdf(np.array([sensor.low])))
+    if np.isfinite(sensor.high):
+        columns.append(kernel.survival(np.array([sensor.high])))
+    return columns[0] if len(columns) == 1 else np.hstack(columns)
+
+
+def _reading_mesh(sensor: NumberSensor, meshes: Sequence[Mesh]) -> Mesh:
+    """A mesh for readings, as fine as the noise and the finest mesh of the measured property ask for."""
+    ends = np.array([min(m.edges[0] for m in meshes), max(m.edges[-1] for m in meshes)])
+    reach = NORMAL_REACH
+    if isinstance(sensor.noise, StudentTNoise):
+        reach = float(-special.stdtrit(sensor.noise.dof, HEAVY_TAIL))
+    far = float(np.hypot(sensor.scale(ends).max(), sensor.offset_sd)) * reach
+    low, high = max(ends[0] - far, sensor.low), min(ends[1] + far, sensor.high)
+    if not low < high:  # all readings saturate; a mesh that holds nothing keeps the shapes
+        low, high = (sensor.high - 1e-6, sensor.high) if low >= sensor.high else (sensor.low, sensor.low + 1e-6)
+    y = _sampled(low, high)
+    inside = np.clip(y, *ends)
+    fine = np.min([m.widths_at(inside) for m in meshes], axis=0) / WIDTH
+    scale = np.hypot(np.hypot(sensor.scale(inside), sensor.offset_sd), fine)
+    # Beyond the property's mesh there is only the tail of the noise, which changes ever more slowly.
+    wanted = 1 / (WIDTH * np.hypot(scale, 0.25 * np.abs(y - inside)))
+    total = np.concatenate([[0.0], np.cumsum((wanted[1:] + wanted[:-1]) / 2 * np.diff(y))])
+    panels = int(np.ceil(total[-1]))
+    edges = np.interp(np.linspace(0, total[-1], panels + 1), total, y)
+    return Mesh(edges, np.zeros(panels, dtype=bool), low)
+
+
+def _sampled(low: float, high: float) -> Array:
+    """Points at which the wanted fineness is looked at: even, and in equal ratios towards zero."""
+    even = np.linspace(low, high, SAMPLES)
+    if high <= 0:
+        return even
+    return np.union1d(even, np.geomspace(high * 1e-4, high, SAMPLES).clip(low, high))
+
+
+def _noise_nats(sensor: NumberSensor, kernel: Kernel) -> Array:
+    if isinstance(kernel.noise, NormalNoise) and kernel.centre.shape[1] == 1:
+        return _normal_nats(sensor, kernel.centre[:, 0], kernel.scale[:, 0])
+    return _numeric_nats(sensor, kernel)
+
+
+def _normal_nats(sensor: NumberSensor, centre: Array, scale: Array) -> Array:
+    """Entropy of a saturating normal reading: closed form of -int f ln f between the ends."""
+    whole = 0.5 * np.log(2 * np.pi * np.e) + np.log(scale)
+    if np.isinf(sensor.low) and np.isinf(sensor.high):
+        return np.asarray(whole)
+    nats = np.zeros_like(centre)
+    inside, edge_term = np.ones_like(centre), np.zeros_like(centre)
+    for end, sign in ((sensor.low, -1.0), (sensor.high, 1.0)):
+        if np.isfinite(end):
+            z = (end - centre) / scale
+            atom = special.ndtr(-sign * z)
+            nats -= special.xlogy(atom, atom)
+            inside -= atom
+            edge_term += sign * z * np.exp(-0.5 * z * z) / np.sqrt(2 * np.pi)
+    return np.asarray(nats + inside * whole - 0.5 * edge_term)
+
+
+def _numeric_nats(sensor: NumberSensor, kernel: Kernel) -> Array:
+    """The same for any noise, by quadrature in the angle whose tangent is the residual."""
+    t, w = np.polynomial.legendre.leggauss(TAN_ORDER)
+    middle = (kernel.weight * kernel.centre).sum(axis=1)
+    spread = np.sqrt((kernel.weight * (kernel.centre - middle[:, None]) ** 2).sum(axis=1))
+    wide = np.hypot(kernel.scale.max(axis=1), spread)
+    first, last = (np.arctan((end - middle) / wide)[:, None] for end in (sensor.low, sensor.high))
+    angle = first + (last - first) * (t + 1) / 2
+    y = middle[:, None] + wide[:, None] * np.tan(angle)
+    weight = (last - first) / 2 * w * wide[:, None] / np.cos(angle) ** 2
+    z = (y[:, None, :] - kernel.centre[:, :, None]) / kernel.scale[:, :, None]
+    p = (kernel.weight[:, :, None] * np.exp(kernel.noise.log_density(z)) / kernel.scale[:, :, None]).sum(axis=1)
+    nats = -(special.xlogy(p, p) * weight).sum(axis=1)
+    for end, side in ((sensor.low, kernel.cdf), (sensor.high, kernel.survival)):
+        if np.isfinite(end):
+            atom = side(np.array([end]))[:, 0]
+            nats = nats - special.xlogy(atom, atom)
+    return np.asarray(nats)

@@ -1,0 +1,80 @@
+"""What the exact engine works out once for a network: the joint table and the groups."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.inference.belief import Objective
+from palpate.inference.group import Group, groups_of
+from palpate.inference.readings import GroupBelief
+from palpate.inference.targets import Target
+from palpate.inference.tensors import Table
+from palpate.network.model import Network
+from palpate.network.properties import CategoricalProperty
+
+__all__ = ["Compiled", "compiled"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """The parts of a network as inference uses them.
+
+    Parameters
+    ----------
+    axes
+        Names of the categorical properties: the axes of the joint table.
+    log_prior
+        Natural log of the prior of all categorical properties together.
+    home
+        Continuous or derived property to the index of its group.
+    priors
+        The groups without evidence; what they work out is kept for good.
+    """
+
+    axes: tuple[str, ...]
+    log_prior: Array
+    groups: tuple[Group, ...]
+    priors: tuple[GroupBelief, ...]
+    home: Mapping[str, int]
+    _targets: dict[Objective, Target] = field(default_factory=dict)
+
+    def target(self, network: Network, objective: Objective) -> Target:
+        """The parts of an objective, worked out once."""
+        if objective not in self._targets:
+            self._targets[objective] = Target(network, self.groups, objective)
+        return self._targets[objective]
+
+    def along(self, table: Table) -> Array:
+        """The values of a table over categorical properties, shaped to broadcast over the joint table."""
+        order = sorted(range(len(table.names)), key=lambda i: self.axes.index(table.names[i]))
+        shape = iter(table.values.transpose(order).shape)
+        return table.values.transpose(order).reshape([next(shape) if n in table.names else 1 for n in self.axes])
+
+
+_KNOWN: WeakKeyDictionary[Network, Compiled] = WeakKeyDictionary()
+
+
+def compiled(network: Network) -> Compiled:
+    """The compiled network, kept as long as the network is."""
+    if network not in _KNOWN:
+        axes = tuple(p.name for p in network.categorical)
+        groups = groups_of(network)
+        home = {name: i for i, group in enumerate(groups) for name in group.members}
+        priors = tuple(GroupBelief(group, {}) for group in groups)
+        parts = Compiled(axes, np.zeros((1,) * len(axes)), groups, priors, home)
+        shape = tuple(len(p.states) for p in network.categorical)
+        log_prior = sum((_log_table(parts, p) for p in network.categorical), np.zeros(shape))
+        _KNOWN[network] = Compiled(axes, log_prior, groups, priors, home)
+    return _KNOWN[network]
+
+
+def _log_table(parts: Compiled, prior: CategoricalProperty) -> Array:
+    with np.errstate(divide="ignore"):
+        return parts.along(Table(np.log(prior.table), (*prior.parents, prior.name)))

@@ -1,0 +1,338 @@
+"""The exact belief: enumerate the categorical properties, integrate the continuous ones by quadrature."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.errors import EvidenceError, ImpossibleEvidenceError, choices
+from palpate.inference.belief import EVERYTHING, Gains, Objective, Observation
+from palpate.inference.chart import Frame
+from palpate.inference.compiled import Compiled, compiled
+from palpate.inference.gains import expected_gains
+from palpate.inference.marginals import CategoricalMarginal, ContinuousMarginal
+from palpate.inference.mesh import Mesh
+from palpate.inference.predictions import LabelPrediction, NumberPrediction
+from palpate.inference.readings import GroupBelief
+from palpate.inference.realised import realised_gain
+from palpate.inference.sampling import sample
+from palpate.inference.tensors import Table, contract
+from palpate.inference.trim import per_mass
+from palpate.inference.window import Readings
+from palpate.network.admission import StateLikelihood, admit
+from palpate.network.model import Network
+from palpate.network.properties import CategoricalProperty
+from palpate.network.sensors import ConfusionSensor, NumberOutcome
+from palpate.outcomes import Above, Below, Failed, Label, Outcome, Reading
+
+__all__ = ["ExactBelief"]
+
+Array = NDArray[np.float64]
+
+
+class ExactBelief:
+    """The posterior of all properties given evidence; a pure function of network and evidence.
+
+    Source: Bayes' rule over the joint of the categorical properties, with the evidence of each
+    group of continuous properties integrated by Gauss-Legendre quadrature.
+
+    Parameters
+    ----------
+    network
+        The network; the belief is its prior.
+
+    Examples
+    --------
+    >>> import palpate
+    >>> belief = palpate.ExactBelief(palpate.load_network("household"))
+    >>> belief = belief.update("cat-vision", palpate.Label("mug")).update("weighing", palpate.Reading(118.0))
+    >>> belief.marginal("category").states[int(belief.probabilities("category").argmax())]
+    'mug'
+    """
+
+    def __init__(self, network: Network) -> None:
+        parts = compiled(network)
+        self._fill(network, (), {}, parts.priors)
+
+    def _fill(
+        self,
+        network: Network,
+        evidence: tuple[Observation, ...],
+        factors: Mapping[str, Array],
+        groups: tuple[GroupBelief, ...],
+    ) -> None:
+        self.network = network
+        self.evidence = evidence
+        self._factors = factors  # action -> likelihood of its labels and vectors over its property's states
+        self.groups = groups
+        self.parts: Compiled = compiled(network)
+        log_joint = self.parts.log_prior
+        with np.errstate(divide="ignore"):
+            for action, factor in factors.items():
+                measured = network.actions[action].sensor.property
+                log_joint = log_joint + self.parts.along(Table(np.log(factor), (measured,)))
+        for group in groups:
+            if group.touched:
+                log_joint = log_joint + self.parts.along(group.log_evidence)
+        peak = float(log_joint.max())
+        if peak == -np.inf:
+            raise _impossible(evidence[-1], len(evidence))
+        joint = np.exp(log_joint - peak)
+        total = float(joint.sum())
+        self.log_evidence = peak + float(np.log(total))
+        self.joint = Table(joint / total, self.parts.axes)
+        self._joints: dict[tuple[str, ...], Table] = {}
+        self._axis_masses: dict[tuple[tuple[str, ...], str], Array] = {}
+
+    # -- evidence ---------------------------------------------------------------------------
+
+    def update(self, action: str, outcome: Outcome) -> Self:
+        """The belief after one more outcome.
+
+        Raises
+        ------
+        EvidenceError
+            If the outcome does not fit the action.
+        ImpossibleEvidenceError
+            If the network gives the outcome probability zero after the evidence so far.
+        """
+        admitted = admit(self.network, action, outcome).outcome
+        evidence = (*self.evidence, Observation(action, admitted))
+        factors, groups = self._factors, self.groups
+        if not isinstance(admitted, Failed):
+            if isinstance(admitted, Label | StateLikelihood):
+                factors = {**factors, action: self._factor(action, evidence)}
+            else:
+                groups = self._regrouped(action, evidence)
+        after = type(self).__new__(type(self))
+        after._fill(self.network, evidence, factors, groups)
+        return after
+
+    def _factor(self, action: str, evidence: Sequence[Observation]) -> Array:
+        sensor = self.network.actions[action].sensor
+        assert isinstance(sensor, ConfusionSensor)
+        outcomes = [o.outcome for o in evidence if o.action == action]
+        labels = [o.label for o in outcomes if isinstance(o, Label)]
+        factor = sensor.likelihood(labels)
+        for outcome in outcomes:
+            if isinstance(outcome, StateLikelihood):
+                factor = factor * outcome.values
+        return factor
+
+    def _regrouped(self, action: str, evidence: Sequence[Observation]) -> tuple[GroupBelief, ...]:
+        measured = self.network.actions[action].sensor.property
+        home = self.parts.home[measured]
+        old = self.groups[home]
+        readings = {**old.readings, measured: self.readings(measured, evidence)}
+        new = GroupBelief(old.group, readings)
+        return (*self.groups[:home], new, *self.groups[home + 1 :])
+
+    def readings(self, measured: str, evidence: Sequence[Observation] | None = None) -> Readings:
+        """The readings of a property, per action the sensor and the outcomes."""
+        by_action: dict[str, list[NumberOutcome]] = {}
+        for seen in self.evidence if evidence is None else evidence:
+            if isinstance(seen.outcome, Reading | Above | Below):
+                by_action.setdefault(seen.action, []).append(seen.outcome)
+        actions = ((self.network.actions[name], outcomes) for name, outcomes in by_action.items())
+        return [(a.sensor, o) for a, o in actions if not isinstance(a.sensor, ConfusionSensor) and a.sensor.property == measured]
+
+    def outcomes_of(self, action: str) -> list[NumberOutcome]:
+        """The readings and bounds of one action so far."""
+        return [o.outcome for o in self.evidence if o.action == action and isinstance(o.outcome, Reading | Above | Below)]
+
+    def labels_of(self, action: str) -> list[str]:
+        """The labels of one action so far."""
+        return [o.outcome.label for o in self.evidence if o.action == action and isinstance(o.outcome, Label)]
+
+    @property
+    def log_evidence_bits(self) -> float:
+        """log2 of the probability of all evidence; densities per unit of the property, vectors scaled to maximum 1."""
+        return self.log_evidence / float(np.log(2))
+
+    # -- the belief -------------------------------------------------------------------------
+
+    def probabilities(self, *properties: str) -> Array:
+        """Joint probabilities of categorical properties, an axis each in the order given; they sum to one.
+
+        Examples
+        --------
+        >>> import palpate
+        >>> belief = palpate.ExactBelief(palpate.load_network("household"))
+        >>> belief.probabilities("category", "material").shape
+        (10, 8)
+        """
+        for name in properties:
+            if not isinstance(self.network.property(name), CategoricalProperty):
+                categorical = choices(p.name for p in self.network.categorical)
+                raise EvidenceError(f"property {name!r} is not categorical and has no table of probabilities: {categorical}")
+        return self.categorical(properties).values
+
+    def categorical(self, names: tuple[str, ...]) -> Table:
+        """The joint table of some categorical properties."""
+        if names not in self._joints:
+            self._joints[names] = self.joint.sum_to(names)
+        return self._joints[names]
+
+    @cached_property
+    def _marginals(self) -> dict[str, CategoricalMarginal | ContinuousMarginal]:
+        return {}
+
+    def marginal(self, property: str) -> CategoricalMarginal | ContinuousMarginal:
+        """The belief about one property.
+
+        Raises
+        ------
+        EvidenceError
+            If the network has no such property.
+        """
+        if property not in self._marginals:
+            known = self.network.property(property)
+            if isinstance(known, CategoricalProperty):
+                table = self.categorical((property,)).values
+                self._marginals[property] = CategoricalMarginal(property, known.states, table)
+            else:
+                mesh, masses = self.mesh(property), self.masses(property)
+                self._marginals[property] = ContinuousMarginal(property, known.unit, mesh, masses)
+        return self._marginals[property]
+
+    def mesh(self, name: str) -> Mesh:
+        """The mesh of a continuous property in the chart that `masses` uses."""
+        group = self.groups[self.parts.home[name]]
+        return group.chart(group.sure_frame(name)).meshes[name]
+
+    def masses(self, name: str) -> Array:
+        """Probability at each node of a continuous property's mesh (K,)."""
+        group = self.groups[self.parts.home[name]]
+        return self.axis_masses(group, group.sure_frame(name), name)
+
+    def axis_masses(self, group: GroupBelief, frame: Frame, name: str) -> Array:
+        """Probability at each node of an axis of a chart (K,)."""
+        key = (frame.axes, name)
+        if key not in self._axis_masses:
+            weights = per_mass(self.categorical(group.group.parents), group.mass(frame))
+            self._axis_masses[key] = contract((weights, *group.factors(frame)), (name,)).values
+        return self._axis_masses[key]
+
+    def with_nodes(self, members: tuple[str, ...], names: tuple[str, ...]) -> Table:
+        """Joint probabilities of the nodes of continuous properties and of categorical properties.
+
+        Parameters
+        ----------
+        members
+            Continuous or derived properties; of one group as many as can be axes of one chart.
+        names
+            Categorical properties.
+
+        Returns
+        -------
+        Table
+            Axes: `members`, then `names`; sums to one.
+        """
+        key = (*members, *names)
+        if key not in self._joints:
+            self._joints[key] = contract(self.spread(members, names), key)
+        return self._joints[key]
+
+    def spread(self, members: tuple[str, ...], names: tuple[str, ...]) -> list[Table]:
+        """The tables whose product, summed to `members` and `names`, is their joint probability."""
+        homes = sorted({self.parts.home[m] for m in members})
+        needed = set(names).union(*(self.groups[h].group.parents for h in homes))
+        wanted = tuple(n for n in self.parts.axes if n in needed)
+        weights, tables = self.categorical(wanted), list[Table]()
+        for home in homes:
+            group = self.groups[home]
+            frame = group.sure_frame(*(m for m in members if self.parts.home[m] == home))
+            weights = per_mass(weights, group.mass(frame))
+            tables += group.factors(frame)
+        return [weights, *tables]
+
+    # -- questions --------------------------------------------------------------------------
+
+    def expected_gains(self, objectives: Sequence[Objective] | None = None, actions: Sequence[str] | None = None) -> Gains:
+        """Expected information gain [bits] of actions about objectives.
+
+        Mutual information of the action's outcome and the objective under the belief; never
+        negative, the same for any unit.
+
+        Parameters
+        ----------
+        objectives
+            Properties, tuples of properties (all of them together) or ``"everything"``; every
+            property and ``"everything"`` where None.
+        actions
+            Names of actions; all where None.
+
+        Examples
+        --------
+        >>> import palpate
+        >>> belief = palpate.ExactBelief(palpate.load_network("household"))
+        >>> gains = belief.expected_gains(["material"])
+        >>> max(gains, key=lambda action: gains[action]["material"])
+        'squeezing'
+        """
+        wanted = (*self.network.properties, EVERYTHING) if objectives is None else tuple(objectives)
+        named = tuple(self.network.actions) if actions is None else tuple(actions)
+        return expected_gains(self, wanted, named)
+
+    def realised_gain(self, after: Self, objective: Objective) -> float | None:
+        """KL(after || this belief) of the objective [bits], `after` being this belief and one outcome more."""
+        return realised_gain(self, after, objective)
+
+    def predict(self, action: str, sd: float | None = None) -> LabelPrediction | NumberPrediction:
+        """The distribution of an action's outcome before it is taken; `sd` replaces the sensor's noise."""
+        sensor = self.network.action(action).sensor
+        if isinstance(sensor, ConfusionSensor):
+            table = sensor.predictive(self.labels_of(action))
+            return LabelPrediction(sensor.outcomes, np.asarray(table @ self.categorical((sensor.property,)).values))
+        mesh, masses = self.mesh(sensor.property), self.masses(sensor.property)
+        nodes, finer = mesh.nodes, mesh.finer(sensor.scale(mesh.nodes, sd))
+        if finer is not None:
+            nodes, masses = finer[0], finer[1] @ masses
+        kernel = sensor.predictive(self.outcomes_of(action), nodes, sd)
+        return NumberPrediction(kernel, masses, sensor.low, sensor.high)
+
+    def log2_predictive(self, action: str, outcome: Outcome) -> float:
+        """log2 of the probability, or density per unit of the property, of an outcome; 0 for a failed one."""
+        return self.update(action, outcome).log_evidence_bits - self.log_evidence_bits
+
+    def surprise(self, action: str, outcome: Outcome) -> float | None:
+        """Predictive probability of an outcome at least as unlikely as this one.
+
+        None for vectors and failed readings. Labels: the sum over labels no more probable.
+        Readings: min(1, 2 min(P(Y <= y), P(Y >= y))), saturated readings ranking outermost.
+        """
+        admitted = admit(self.network, action, outcome).outcome
+        match admitted:
+            case Label(label):
+                prediction = self.predict(action)
+                assert isinstance(prediction, LabelPrediction)
+                p = prediction.probabilities
+                seen = p[prediction.outcomes.index(label)]
+                return float(min(1.0, p[p <= seen * (1 + 1e-9)].sum()))
+            case Reading(value, sd):
+                tails = (self._tail(action, Below(value, sd)), self._tail(action, Above(value, sd)))
+                return min(1.0, 2 * min(tails))
+            case Above() | Below():
+                return min(1.0, 2 * self._tail(action, admitted))
+        return None
+
+    def _tail(self, action: str, bound: Above | Below) -> float:
+        try:
+            return float(2.0 ** self.log2_predictive(action, bound))
+        except ImpossibleEvidenceError:
+            return 0.0
+
+    def sample(self, n: int, rng: np.random.Generator) -> dict[str, Array | NDArray[np.str_]]:
+        """n draws of all properties together; derived ones follow from the others."""
+        return sample(self, n, rng)
+
+
+def _impossible(last: Observation, number: int) -> ImpossibleEvidenceError:
+    return ImpossibleEvidenceError(
+        f"observation {number} ({last.action}: {last.outcome}) has probability zero under the network "
+        "after the evidence before it: check the outcome, or the zeros in the tables it goes through"
+    )

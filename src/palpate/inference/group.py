@@ -1,0 +1,210 @@
+"""A group: continuous properties linked by formulas, integrated together by quadrature.
+
+Given the joint state of the categorical properties, groups are independent of each other. What is
+here does not depend on evidence; `palpate.inference.evidence` adds that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.inference.axes import base_mesh, derived_mesh, scale_given
+from palpate.inference.chart import Chart, Frame, MasterChart
+from palpate.inference.mesh import Mesh
+from palpate.inference.window import Window, cut
+from palpate.network.model import Network
+from palpate.network.properties import ContinuousProperty, DerivedProperty
+from palpate.network.sensors import NumberSensor
+
+__all__ = ["Group", "groups_of"]
+
+Array = NDArray[np.float64]
+Names = tuple[str, ...]
+
+MASTER_PANELS = 4000
+MASTER_LEVELS = 2
+SHARP = 0.7
+"""Share of a sensor's noise that meshes resolve beside it: a few readings together are sharper than one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Properties with densities of their own, and those derived from them.
+
+    Parameters
+    ----------
+    parents
+        The categorical parents of its members: the names of a configuration's axes.
+    sensors
+        The sensors of its members, which say how finely evidence can look.
+    """
+
+    bases: Mapping[str, ContinuousProperty]
+    derived: Mapping[str, DerivedProperty]
+    parents: Names
+    sensors: tuple[NumberSensor, ...]
+
+    @property
+    def members(self) -> Names:
+        """All properties of the group, those with densities first."""
+        return (*self.bases, *self.derived)
+
+    def mesh(self, frame: Frame, name: str) -> Mesh:
+        """The prior mesh of an axis of a frame."""
+        solved = dict(frame.order)
+        key = (name, tuple(sorted(solved.items())))
+        if key not in self._meshes:
+            if name in self.bases:
+                self._meshes[key] = base_mesh(self.bases[name], self._given(frame, name))
+            else:
+                inputs = {x: self.bases[x] for x in self.derived[name].formula.variables}
+                self._meshes[key] = derived_mesh(self.derived[name], solved[name], inputs, self.parents)
+        return self._meshes[key]
+
+    def _given(self, frame: Frame, name: str) -> Callable[[Array], Array] | None:
+        """How narrow a density of its own is given a derived axis, as well as its sensors can tell."""
+        for axis, solved in frame.order:
+            own = [s for s in self.sensors if s.property == axis]
+            if own and name in self.derived[axis].formula.variables:
+                return self.scale_given(axis, solved, name, lambda s, own=own: SHARP * _noise(own, s))  # type: ignore[misc]
+        return None
+
+    def scale_given(self, axis: str, solved: str, name: str, noise: Callable[[Array], Array]) -> Callable[[Array], Array]:
+        """How narrow a density of its own is given a derived axis with evidence of some noise."""
+        inputs = {x: self.bases[x] for x in self.derived[axis].formula.variables}
+        return scale_given(self.derived[axis], solved, name, inputs, noise)
+
+    def meshes(self, frame: Frame) -> dict[str, Mesh]:
+        """The prior meshes of a frame's axes."""
+        return {name: self.mesh(frame, name) for name in frame.axes}
+
+    def support(self, name: str) -> tuple[float, float]:
+        """Ends of the support of a member."""
+        if name in self.bases:
+            family = self.bases[name].family
+            return float(family.low.min()), float(family.high.max())
+        frame = self.frame((name,))
+        assert frame is not None, "every member is an axis of some chart"
+        mesh = self.mesh(frame, name)
+        return (mesh.origin if mesh.graded.any() else -np.inf), np.inf
+
+    def frame(self, required: Names, touched: frozenset[str] = frozenset()) -> Frame | None:
+        """The best choice of axes with the required ones among them, None where there is none.
+
+        As many members with evidence as possible are axes, so that it is not a ridge across the
+        mesh; then as many properties with densities of their own.
+        """
+        key = (required, touched)
+        if key not in self._frames:
+            fitting = [c for c in combinations(self.members, len(self.bases)) if set(required) <= set(c)]
+            solved = [(c, order) for c in fitting if (order := self._order(c)) is not None]
+            best = max(solved, key=lambda s: (len(touched & set(s[0])), sum(x in self.bases for x in s[0])), default=None)
+            frame = Frame(*best, self.bases, self.derived, self.parents) if best else None
+            self._frames[key] = self._same.setdefault(frame.axes, frame) if frame else None
+        return self._frames[key]
+
+    def _order(self, axes: Names) -> tuple[tuple[str, str], ...] | None:
+        """(derived axis, base it gives) in the order of solving; None if the axes do not fix all bases."""
+        known = {name for name in axes if name in self.bases}
+        waiting = [name for name in axes if name in self.derived]
+        order: list[tuple[str, str]] = []
+        while waiting:
+            ready = [(name, unknown) for name in waiting for unknown in self._given_by(name, known)]
+            if not ready:
+                return None
+            order.append(ready[0])
+            known.add(ready[0][1])
+            waiting.remove(ready[0][0])
+        return tuple(order) if len(known) == len(self.bases) else None
+
+    def _given_by(self, derived: str, known: set[str]) -> Names:
+        """The one base that a derived property gives when the known ones are known, if it does."""
+        formula = self.derived[derived].formula
+        unknown = tuple(x for x in formula.variables if x not in known)
+        return unknown if len(unknown) == 1 and unknown[0] in formula.solvable() else ()
+
+    @cached_property
+    def _frames(self) -> dict[tuple[Names, frozenset[str]], Frame | None]:
+        return {}
+
+    @cached_property
+    def _same(self) -> dict[Names, Frame]:
+        """One frame per choice of axes, so that charts are kept once."""
+        return {}
+
+    @cached_property
+    def _masters(self) -> dict[tuple[Names, int], MasterChart]:
+        return {}
+
+    def window_chart(self, frame: Frame, window: Window) -> Chart | None:
+        """The chart without evidence on the window of its last axis; None where no master mesh resolves it."""
+        for level in range(MASTER_LEVELS):
+            mesh = self._master_mesh(frame, level)
+            panels = window.panels(mesh)
+            if panels is None:
+                return None
+            if window.resolved(mesh, *panels):
+                key = (frame.axes, level)
+                if key not in self._masters:
+                    self._masters[key] = MasterChart(frame, {**self.meshes(frame), frame.axes[-1]: mesh})
+                return self._masters[key].window(*panels)
+        return None
+
+    def _master_mesh(self, frame: Frame, level: int) -> Mesh:
+        """The prior mesh of the last axis cut so that it resolves its sensors; finer by halves at each level."""
+        key = (frame.axes, level)
+        if key not in self._master_meshes:
+            name = frame.axes[-1]
+            prior = self.mesh(frame, name)
+            middles = (prior.edges[1:] + prior.edges[:-1]) / 2
+            own = [s for s in self.sensors if s.property == name]
+            least = prior.edges[-1] / MASTER_PANELS
+            scale = np.maximum(_noise(own, middles), least) if own else np.diff(prior.edges)
+            self._master_meshes[key] = cut(prior, scale) if level == 0 else self._master_mesh(frame, level - 1).halved()
+        return self._master_meshes[key]
+
+    @cached_property
+    def _meshes(self) -> dict[tuple[str, tuple[tuple[str, str], ...]], Mesh]:
+        return {}
+
+    @cached_property
+    def _master_meshes(self) -> dict[tuple[Names, int], Mesh]:
+        return {}
+
+
+def _noise(sensors: Sequence[NumberSensor], x: Array) -> Array:
+    """The least noise of several sensors at values x."""
+    flat = np.ravel(x)
+    return np.asarray(np.min([np.hypot(s.scale(flat), s.offset_sd) for s in sensors], axis=0)).reshape(np.shape(x))
+
+
+def groups_of(network: Network) -> tuple[Group, ...]:
+    """The groups of a network, in the order of their first members."""
+    order = list(network.properties)
+    found = sorted(_linked(network), key=lambda names: min(order.index(n) for n in names))
+    return tuple(_group(network, names) for names in found)
+
+
+def _linked(network: Network) -> Sequence[set[str]]:
+    """Sets of continuous properties that formulas link."""
+    found: list[set[str]] = [{p.name} for p in network.continuous]
+    for derived in network.derived:
+        touching = [names for names in found if names & set(derived.formula.variables)]
+        found = [names for names in found if names not in touching] + [set().union(*touching)]
+    return found
+
+
+def _group(network: Network, names: set[str]) -> Group:
+    bases = {p.name: p for p in network.continuous if p.name in names}
+    derived = {d.name: d for d in network.derived if set(d.formula.variables) <= names}
+    parents = tuple(c.name for c in network.categorical if any(c.name in b.parents for b in bases.values()))
+    members = {*bases, *derived}
+    sensors = [a.sensor for a in network.actions.values()]
+    own = tuple(s for s in sensors if isinstance(s, NumberSensor) and s.property in members)
+    return Group(bases, derived, parents, own)

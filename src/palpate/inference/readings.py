@@ -1,0 +1,209 @@
+"""A group of continuous properties given the readings of its members."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.inference.channels import OUTCOME, NumberChannel
+from palpate.inference.chart import Chart, Frame
+from palpate.inference.group import Group
+from palpate.inference.mesh import ORDER, Mesh
+from palpate.inference.tensors import Table, contract
+from palpate.inference.window import Readings, Window, cut, resolve
+from palpate.network.sensors import NumberOutcome, NumberSensor
+
+__all__ = ["GroupBelief"]
+
+Array = NDArray[np.float64]
+Names = tuple[str, ...]
+
+EDGE_MASS = 1e-6
+"""Share of a configuration's mass in the outermost panels at which a window is widened."""
+FAINT_EDGE_MASS = 1e-2
+"""The same for configurations that are 1e13 times less probable than another: they hardly ever matter."""
+TINY = 1e-290
+MAX_ENTRIES = 4_000_000
+"""Entries of a chart's largest table beyond which it is not refined further."""
+
+
+class GroupBelief:
+    """Densities of a group over its charts, kept once worked out.
+
+    Parameters
+    ----------
+    readings
+        Property to its readings, per action the sensor and the outcomes.
+    """
+
+    def __init__(self, group: Group, readings: Mapping[str, Readings]) -> None:
+        self.group = group
+        self.readings = readings
+        self.touched = frozenset(readings)
+        self._windows = {name: Window.of(r) for name, r in readings.items()}
+        self._charts: dict[Names, Chart] = {}
+        self._factors: dict[Names, tuple[Table, ...]] = {}
+        self._masses: dict[tuple[Names, Names], Table] = {}
+        self._channels: dict[tuple[int, bool], NumberChannel] = {}
+        self._given: dict[int, Table] = {}
+        self._through: dict[tuple[Names, int], Table] = {}
+        for name in sorted(self.touched & group.derived.keys()):
+            self._settle(name)
+
+    def frame(self, *required: str) -> Frame | None:
+        """The choice of axes for the required members."""
+        return self.group.frame(required, self.touched)
+
+    def sure_frame(self, *required: str) -> Frame:
+        """The same where reading the network, or taking an objective apart, made sure that there is one."""
+        frame = self.frame(*required)
+        assert frame is not None, f"no chart has the axes {required}"
+        return frame
+
+    def chart(self, frame: Frame) -> Chart:
+        """The chart over some axes."""
+        if frame.axes not in self._charts:
+            self._charts[frame.axes] = self._made(frame)
+        return self._charts[frame.axes]
+
+    def factors(self, frame: Frame) -> tuple[Table, ...]:
+        """The chart's tables, the vector along its last axis among them."""
+        if frame.axes not in self._factors:
+            self._factors[frame.axes] = self.chart(frame).factors
+        return self._factors[frame.axes]
+
+    def mass(self, frame: Frame, *axes: str) -> Table:
+        """The chart's total per configuration, and per node of the given axes."""
+        key = (frame.axes, axes)
+        if key not in self._masses:
+            self._masses[key] = contract(self.factors(frame), (*self.group.parents, *axes))
+        return self._masses[key]
+
+    @cached_property
+    def log_evidence(self) -> Table:
+        """Natural log of p(readings | configuration); -inf where it is zero."""
+        frame = self.sure_frame()
+        with np.errstate(divide="ignore"):
+            values = np.log(self.mass(frame).values) + self.chart(frame).log_scale
+        return Table(values, self.group.parents)
+
+    def others(self, measured: str) -> tuple[str, ...]:
+        """Members that can be an axis beside a measured one."""
+        return tuple(m for m in self.group.members if m != measured and self.frame(m, measured))
+
+    def channel(self, sensor: NumberSensor, past: Sequence[NumberOutcome]) -> NumberChannel:
+        """The channel of a number sensor of a member after its past readings."""
+        # The past readings are among the group's own; only whether they are this sensor's is new.
+        key = (id(sensor), bool(past))
+        if key not in self._channels:
+            measured = sensor.property
+            meshes = [self.chart(self.sure_frame(measured)).meshes[measured]]
+            meshes += [self.chart(self.sure_frame(m, measured)).meshes[measured] for m in self.others(measured)]
+            self._channels[key] = NumberChannel(sensor, past, meshes)
+        return self._channels[key]
+
+    def given(self, channel: NumberChannel) -> Table:
+        """p(reading | configuration of the parents) x weights (configuration..., outcome)."""
+        key = id(channel)
+        if key not in self._given:
+            measured = channel.sensor.property
+            frame = self.sure_frame(measured)
+            nodes = self.mass(frame, measured).values
+            total = nodes.sum(axis=-1, keepdims=True)
+            share = np.divide(nodes, total, out=np.zeros_like(nodes), where=total > TINY)
+            table = channel.table(self.chart(frame).meshes[measured])
+            self._given[key] = Table(share @ table, (*self.group.parents, OUTCOME))
+        return self._given[key]
+
+    def through(self, frame: Frame, channel: NumberChannel) -> tuple[Table, ...]:
+        """The chart's tables with the measured axis replaced by the outcome, where that is worth keeping.
+
+        Without readings the group never changes, and its tables are carried through the channel once.
+        """
+        measured = channel.sensor.property
+        table = Table(channel.table(self.chart(frame).meshes[measured]), (measured, OUTCOME))
+        if self.touched:
+            return (*self.factors(frame), table)
+        key = (frame.axes, id(channel))
+        if key not in self._through:
+            along = [t for t in self.factors(frame) if measured in t.names]
+            names = tuple(dict.fromkeys(n for t in along for n in t.names if n != measured))
+            self._through[key] = contract((*along, table), (*names, OUTCOME))
+        return (*(t for t in self.factors(frame) if measured not in t.names), self._through[key])
+
+    def log_likelihood(self, name: str, x: Array) -> Array:
+        """Natural log of p(readings of the member | its value x), any shape."""
+        flat = np.ravel(x)
+        total = sum((sensor.log_likelihood(outcomes, flat) for sensor, outcomes in self.readings[name]), 0.0 * flat)
+        return np.where(np.isnan(total), -np.inf, total).reshape(np.shape(x))
+
+    def _mesh(self, frame: Frame, name: str) -> Mesh:
+        prior = self.group.mesh(frame, name)
+        if name not in self.touched:
+            return self._beside_evidence(frame, name, prior)
+        return resolve(prior, self._windows[name], self.group.support(name), whole=name in self.group.bases)
+
+    def _beside_evidence(self, frame: Frame, name: str, prior: Mesh) -> Mesh:
+        """The mesh of an axis cut so that it resolves what evidence on a derived axis makes of it."""
+        middles = (prior.edges[1:] + prior.edges[:-1]) / 2
+        for axis, solved in frame.order:
+            if axis in self.touched and name in self.group.derived[axis].formula.variables:
+                sharpest = min((fine[2] for fine in self._windows[axis].fine), default=np.inf)
+                scale = self.group.scale_given(axis, solved, name, lambda s, sd=sharpest: np.full_like(s, sd))  # type: ignore[misc]
+                return cut(prior, scale(middles))
+        return prior
+
+    def _made(self, frame: Frame) -> Chart:
+        last = frame.axes[-1]
+        if not self.touched:
+            return frame.chart(self.group.meshes(frame))
+        if self.touched == {last} and last in self.group.derived:
+            chart = self.group.window_chart(frame, self._windows[last])
+            if chart is not None:
+                return chart.with_likelihood(self.log_likelihood(last, chart.meshes[last].nodes))
+        chart = self._fresh(frame, {name: self._mesh(frame, name) for name in frame.axes})
+        return self._refined(frame, chart) if self.touched - set(frame.axes) else chart
+
+    def _fresh(self, frame: Frame, meshes: Mapping[str, Mesh]) -> Chart:
+        values, _ = frame.values(frame.tensor(meshes))
+        total = np.zeros((1,) * len(frame.axes))
+        for name in sorted(self.touched):
+            x = values[name] if name in values else self.group.derived[name].formula.evaluate(values)
+            total = total + self.log_likelihood(name, x)
+        return frame.chart(meshes, total)
+
+    def _refined(self, frame: Frame, chart: Chart) -> Chart:
+        """The chart with its panels halved until evidence on members that are not axes is resolved."""
+        parents = self.group.parents
+        while chart.tables[-1].values.size * 2 ** len(frame.axes) < MAX_ENTRIES:
+            finer = self._fresh(frame, {name: mesh.halved() for name, mesh in chart.meshes.items()})
+            old = contract(chart.factors, parents).values * np.exp(chart.log_scale - finer.log_scale)
+            new = contract(finer.factors, parents).values
+            chart = finer
+            if (np.abs(new - old) <= 1e-6 * new.max() + 1e-4 * new).all():
+                break
+        return chart
+
+    def _settle(self, name: str) -> None:
+        """Widen the window of a derived member until no configuration has mass at its ends."""
+        frame = self.sure_frame()
+        while name in frame.axes and self._crowded(frame, name):
+            self._windows[name] = self._windows[name].wider()
+            self._charts.clear()
+            self._factors.clear()
+            self._masses.clear()
+
+    def _crowded(self, frame: Frame, name: str) -> bool:
+        mesh, prior = self.chart(frame).meshes[name], self.group.mesh(frame, name)
+        low_open = mesh.edges[0] > max(self.group.support(name)[0], prior.edges[0])
+        high_open = mesh.edges[-1] < prior.edges[-1]
+        if not low_open and not high_open:
+            return False
+        masses = self.mass(frame, name).values.reshape(-1, mesh.size)
+        total = masses.sum(axis=1)
+        faint = np.where(total > total.max() * 1e-13, EDGE_MASS, FAINT_EDGE_MASS) * total + TINY
+        at_low, at_high = masses[:, :ORDER].sum(axis=1), masses[:, -ORDER:].sum(axis=1)
+        return bool((low_open and (at_low > faint).any()) or (high_open and (at_high > faint).any()))

@@ -1,0 +1,106 @@
+"""Realised information gain: how far one outcome moved the belief."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.errors import EvidenceError
+from palpate.inference.belief import Objective, Observation
+from palpate.inference.targets import Target
+from palpate.information import kl_bits
+from palpate.network.admission import StateLikelihood
+from palpate.network.sensors import ConfusionSensor
+from palpate.outcomes import Failed, Label
+
+if TYPE_CHECKING:
+    from palpate.inference.exact import ExactBelief
+
+__all__ = ["realised_gain"]
+
+Array = NDArray[np.float64]
+
+
+def realised_gain(before: ExactBelief, after: ExactBelief, objective: Objective) -> float:
+    """KL(after || before) of the objective [bits].
+
+    With p(z | y) / p(z) = p(y | z) / p(y), where the objective fixes the measured property this is
+    the mean log likelihood under the belief after, less the log predictive probability.
+
+    Raises
+    ------
+    EvidenceError
+        If `after` is not `before` and exactly one more outcome.
+    """
+    if len(after.evidence) != len(before.evidence) + 1:
+        found = len(after.evidence) - len(before.evidence)
+        raise EvidenceError(f"realised gain: the beliefs are {found} outcomes apart, expected one")
+    seen = after.evidence[-1]
+    if isinstance(seen.outcome, Failed):
+        return 0.0
+    measured = before.network.actions[seen.action].sensor.property
+    target = before.parts.target(before.network, objective)
+    if measured in target.fixed:
+        return max(0.0, _mean_log_likelihood(before, after, seen, measured) / float(np.log(2)))
+    home = before.parts.home.get(measured)
+    if home is None or not set(target.members) & set(before.groups[home].group.members):
+        return _direct(before, after, target)
+    return _reweighted(before, after, measured, target)
+
+
+def _mean_log_likelihood(before: ExactBelief, after: ExactBelief, seen: Observation, measured: str) -> float:
+    """Mean under `after` of ln p(y | measured property), less ln p(y) [nats]."""
+    if measured in before.parts.home:
+        masses, nodes = after.masses(measured), after.mesh(measured).nodes
+        log_p = _log_likelihood(before, after, measured, nodes)
+    else:
+        masses = after.categorical((measured,)).values
+        log_p = np.log(np.maximum(_vector(before, seen), np.finfo(float).tiny))
+    return float(masses @ np.where(masses > 0, log_p, 0.0)) - (after.log_evidence - before.log_evidence)
+
+
+def _vector(before: ExactBelief, seen: Observation) -> Array:
+    """Likelihood of the last outcome for each state."""
+    if isinstance(seen.outcome, Label):
+        sensor = before.network.actions[seen.action].sensor
+        assert isinstance(sensor, ConfusionSensor)
+        table = sensor.predictive(before.labels_of(seen.action))
+        return np.asarray(table[sensor.outcomes.index(seen.outcome.label)])
+    assert isinstance(seen.outcome, StateLikelihood)
+    return seen.outcome.values
+
+
+def _log_likelihood(before: ExactBelief, after: ExactBelief, measured: str, x: Array) -> Array:
+    """ln p(last reading | value x, readings before) (X,)."""
+    home = before.parts.home[measured]
+    total = after.groups[home].log_likelihood(measured, x)
+    if measured in before.groups[home].touched:
+        total = total - before.groups[home].log_likelihood(measured, x)
+    return total
+
+
+def _direct(before: ExactBelief, after: ExactBelief, target: Target) -> float:
+    """The tables of both beliefs compared: the outcome left the meshes as they were."""
+    new = after.with_nodes(target.members, target.categorical).values
+    return kl_bits(new, before.with_nodes(target.members, target.categorical).values)
+
+
+def _reweighted(before: ExactBelief, after: ExactBelief, measured: str, target: Target) -> float:
+    """The same in the measured property's own group, whose mesh the outcome changed: on the old mesh."""
+    out = (*target.members, *target.categorical)
+    joint = before.with_nodes((*target.members, measured), target.categorical).sum_to((*out, measured)).values
+    home = before.groups[before.parts.home[measured]]
+    frame = home.sure_frame(*(m for m in target.members if m in home.group.members), measured)
+    mesh = home.chart(frame).meshes[measured]
+    sensor = before.network.actions[after.evidence[-1].action].sensor
+    assert not isinstance(sensor, ConfusionSensor)
+    scale = sensor.scale(mesh.nodes, getattr(after.evidence[-1].outcome, "sd", None))
+    finer = mesh.finer(scale)
+    nodes = mesh.nodes if finer is None else finer[0]
+    log_p = _log_likelihood(before, after, measured, nodes)
+    likelihood = np.exp(log_p - log_p.max())
+    new = joint @ (likelihood if finer is None else likelihood @ finer[1])
+    new = np.maximum(new, 0.0)
+    return kl_bits(new / new.sum(), joint.sum(axis=-1))

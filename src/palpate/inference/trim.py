@@ -1,0 +1,146 @@
+"""A view of the belief without what is too improbable to change a gain: faint states and nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import prod
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.inference.channels import OUTCOME, NumberChannel
+from palpate.inference.chart import Frame
+from palpate.inference.mesh import ORDER
+from palpate.inference.readings import GroupBelief
+from palpate.inference.targets import Target
+from palpate.inference.tensors import Table, contract
+
+if TYPE_CHECKING:
+    from palpate.inference.exact import ExactBelief
+
+__all__ = ["Trimmed", "per_mass"]
+
+Array = NDArray[np.float64]
+Names = tuple[str, ...]
+
+FAINT = 1e-8
+"""States, and panels of nodes, less probable than this are left out of gains."""
+NO_MASS = 1e-280
+
+
+class Trimmed:
+    """The belief's tables on the states and panels that matter, put together once per decision."""
+
+    def __init__(self, belief: ExactBelief) -> None:
+        self.belief = belief
+        self.axes = belief.parts.axes
+        self._keep: dict[str, NDArray[np.intp]] = {}
+        joint = belief.joint.values
+        for i, name in enumerate(self.axes):
+            total = joint.sum(axis=tuple(k for k in range(joint.ndim) if k != i))
+            kept = np.flatnonzero(total > FAINT)
+            if len(kept) < len(total):
+                self._keep[name] = kept
+                joint = joint.take(kept, axis=i)
+        self._joint = Table(joint, self.axes)
+        self._joints: dict[tuple[Names, Names], Table] = {}
+        self._factors: dict[Names, tuple[Table, ...]] = {}
+
+    def home(self, name: str) -> GroupBelief:
+        """The group of a continuous property, with its readings."""
+        return self.belief.groups[self.belief.parts.home[name]]
+
+    def ordered(self, names: Iterable[str]) -> Names:
+        """Categorical properties in the network's order."""
+        chosen = set(names)
+        return tuple(n for n in self.axes if n in chosen)
+
+    def kept(self, table: Table) -> Table:
+        """A table without the states that are left out."""
+        values = table.values
+        for i, name in enumerate(table.names):
+            if name in self._keep:
+                values = values.take(self._keep[name], axis=i)
+        return Table(values, table.names)
+
+    def categorical(self, names: Names) -> Table:
+        """The joint table of some categorical properties."""
+        return self._joint.sum_to(names)
+
+    def joint(self, members: Names, names: Names) -> Table:
+        """Joint of the nodes of continuous properties and of categorical properties."""
+        key = (members, names)
+        if key not in self._joints:
+            self._joints[key] = contract(self._spread(members, names), (*members, *names))
+        return self._joints[key]
+
+    def _spread(self, members: Names, names: Names) -> list[Table]:
+        """Tables whose product, summed to members and names, is their joint probability."""
+        homes = sorted({self.belief.parts.home[m] for m in members})
+        groups = [self.belief.groups[h] for h in homes]
+        weights = self.categorical(self.ordered({*names, *(p for g in groups for p in g.group.parents)}))
+        tables: list[Table] = []
+        for home, group in zip(homes, groups, strict=True):
+            frame = group.sure_frame(*(m for m in members if self.belief.parts.home[m] == home))
+            weights = per_mass(weights, self.kept(group.mass(frame)))
+            tables += self._trimmed_factors(group, frame)
+        return [weights, *tables]
+
+    def beside(self, target: Target, channel: NumberChannel) -> Array:
+        """Joint of an objective with members in the measured property's group, and of the reading (rows, Y)."""
+        measured = channel.sensor.property
+        home = self.home(measured)
+        own = tuple(m for m in target.members if m in home.group.members)
+        far = tuple(m for m in target.members if m not in own)
+        frame = home.sure_frame(*own, measured)
+        weights, *tables = self._spread(far, (*target.categorical, *home.group.parents))
+        weights = per_mass(weights, self.kept(home.mass(frame)))
+        tables += self._through(home, frame, channel)
+        joint = contract((weights, *tables), (*target.members, *target.categorical, OUTCOME)).values
+        return joint.reshape(-1, joint.shape[-1])
+
+    def _through(self, home: GroupBelief, frame: Frame, channel: NumberChannel) -> tuple[Table, ...]:
+        if not home.touched:
+            return tuple(self.kept(t) for t in home.through(frame, channel))
+        measured = channel.sensor.property
+        first, last = self._panels(home, frame, measured)
+        table = channel.table(home.chart(frame).meshes[measured])[first * ORDER : last * ORDER]
+        return (*self._trimmed_factors(home, frame), Table(table, (measured, OUTCOME)))
+
+    def _trimmed_factors(self, group: GroupBelief, frame: Frame) -> tuple[Table, ...]:
+        if frame.axes not in self._factors:
+            ranges = {name: self._panels(group, frame, name) for name in frame.axes}
+            self._factors[frame.axes] = tuple(self._cut(t, ranges) for t in group.factors(frame))
+        return self._factors[frame.axes]
+
+    def _cut(self, table: Table, ranges: dict[str, tuple[int, int]]) -> Table:
+        index = tuple(
+            slice(ranges[n][0] * ORDER, ranges[n][1] * ORDER) if n in ranges else slice(None) for n in table.names
+        )
+        return Table(np.ascontiguousarray(self.kept(Table(table.values[index], table.names)).values), table.names)
+
+    def _panels(self, group: GroupBelief, frame: Frame, name: str) -> tuple[int, int]:
+        """First panel and end of those of an axis that matter."""
+        masses = self.belief.axis_masses(group, frame, name).reshape(-1, ORDER).sum(axis=1)
+        held = np.flatnonzero(masses > FAINT)
+        return int(held[0]), int(held[-1]) + 1
+
+    def rows_size(self, targets: Iterable[Target], names: Names) -> int:
+        """Entries of the rows of all targets with the named categorical properties, at most."""
+        sizes = dict(zip(self.axes, self._joint.values.shape, strict=True))
+        total = 0
+        for target in targets:
+            homes = [self.home(m) for m in target.members]
+            nodes = prod(h.chart(h.sure_frame(m)).meshes[m].size for h, m in zip(homes, target.members, strict=True))
+            total += nodes * prod(sizes[n] for n in {*target.categorical, *names})
+        return total
+
+
+def per_mass(weights: Table, mass: Table) -> Table:
+    """Weights over categorical properties divided by a chart's total per configuration; without mass 0."""
+    held = mass.values > NO_MASS
+    inverse = np.divide(1.0, mass.values, out=np.zeros_like(mass.values), where=held)
+    shape = iter(inverse.shape)
+    shaped = inverse.reshape([next(shape) if n in mass.names else 1 for n in weights.names])
+    return Table(weights.values * shaped, weights.names)

@@ -1,0 +1,164 @@
+"""Where the likelihood of readings lives, and the mesh that resolves it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.inference.mesh import WIDTH, Mesh
+from palpate.network.sensors import NormalNoise, NumberOutcome, NumberSensor
+from palpate.outcomes import Above, Reading
+
+__all__ = ["Readings", "Window", "cut", "resolve"]
+
+Array = NDArray[np.float64]
+
+Readings = Sequence[tuple[NumberSensor, Sequence[NumberOutcome]]]
+"""The readings of one property: per action its sensor and its outcomes."""
+
+REACH = 8.0
+"""Scales from a reading beyond which its likelihood counts as nothing at first."""
+SLACK = 1.2
+"""A panel may be this much wider than asked for."""
+
+
+@dataclass(frozen=True)
+class Window:
+    """An interval that holds the likelihood, and intervals (low, high, scale) to resolve in it."""
+
+    low: float
+    high: float
+    fine: tuple[tuple[float, float, float], ...]
+
+    @classmethod
+    def of(cls, readings: Readings) -> Window:
+        """The window of all readings of one property together."""
+        fine = [_pooled(sensor, outcomes) for sensor, outcomes in readings]
+        bounds = [_bound(sensor, o) for sensor, outcomes in readings for o in outcomes if not isinstance(o, Reading)]
+        pieces = [piece for group in fine for piece in group]
+        heavy = any(not isinstance(sensor.noise, NormalNoise) for sensor, _ in readings)
+        low = max([b.low for b in bounds] + [p[0] for p in pieces], default=-np.inf)
+        high = min([b.high for b in bounds] + [p[1] for p in pieces], default=np.inf)
+        if heavy:
+            low, high = -np.inf, np.inf
+        elif low >= high:
+            ends = [e for p in pieces for e in p[:2]] + [e for b in bounds for e in (b.low, b.high) if np.isfinite(e)]
+            low, high = min(ends), max(ends)
+        return cls(low, high, tuple(pieces) + tuple(f for b in bounds for f in b.fine))
+
+    def panels(self, mesh: Mesh) -> tuple[int, int] | None:
+        """First panel and end of the panels that hold the window; None where the mesh ends within it."""
+        end = len(mesh.edges) - 1
+        first, last = int(np.searchsorted(mesh.edges, self.low, "right")) - 1, int(np.searchsorted(mesh.edges, self.high))
+        if self.low < mesh.edges[0]:
+            first = 0 if mesh.graded[0] else -1
+        if np.isinf(self.high):
+            last = end
+        return (first, last) if 0 <= first < last <= end else None
+
+    def resolved(self, mesh: Mesh, first: int, last: int) -> bool:
+        """Whether the panels resolve the window's fine intervals."""
+        low, high = mesh.edges[first:last], mesh.edges[first + 1 : last + 1]
+        return all(
+            bool((((high - low) <= SLACK * WIDTH * scale) | (high <= a) | (low >= b)).all()) for a, b, scale in self.fine
+        )
+
+    def wider(self) -> Window:
+        """Twice as wide."""
+        half = (self.high - self.low) / 2 if np.isfinite(self.high - self.low) else 0.0
+        if not half:
+            reach = max((f[1] - f[0] for f in self.fine), default=1.0)
+            return Window(self.low - reach, self.high + reach, self.fine)
+        return Window(self.low - half, self.high + half, self.fine)
+
+
+def _pooled(sensor: NumberSensor, outcomes: Sequence[NumberOutcome]) -> list[tuple[float, float, float]]:
+    """The intervals about the readings of one action: one where the noise is normal."""
+    readings = [o for o in outcomes if isinstance(o, Reading)]
+    if not readings:
+        return []
+    values = np.array([r.value for r in readings])
+    scales = np.array([float(sensor.scale(np.array([r.value]), r.sd)[0]) for r in readings])
+    if sensor.relative_sd:
+        scales = np.maximum(scales, 1e-6 * max(np.abs(values).max(), 1e-6))
+    if isinstance(sensor.noise, NormalNoise):
+        precision = scales**-2.0
+        values = np.array([np.sum(values * precision) / precision.sum()])
+        scales = np.array([precision.sum() ** -0.5])
+    wide = np.hypot(scales, sensor.offset_sd)
+    stretch = 1 + REACH * sensor.relative_sd
+    return [
+        (float(v - REACH * w * stretch), float(v + REACH * w * stretch**2), float(w / stretch))
+        for v, w in zip(values, wide, strict=True)
+    ]
+
+
+def _bound(sensor: NumberSensor, outcome: NumberOutcome) -> Window:
+    """The half line that a bound leaves, soft over the scale of the noise."""
+    assert not isinstance(outcome, Reading)
+    scale = float(np.hypot(sensor.scale(np.array([outcome.bound]), outcome.sd)[0], sensor.offset_sd))
+    reach = REACH * scale * (1 + REACH * sensor.relative_sd)
+    fine = ((outcome.bound - reach, outcome.bound + reach, scale),)
+    if isinstance(outcome, Above):
+        return Window(outcome.bound - reach, np.inf, fine)
+    return Window(-np.inf, outcome.bound + reach, fine)
+
+
+def resolve(prior: Mesh, window: Window, support: tuple[float, float], whole: bool) -> Mesh:
+    """The prior mesh within the window, its panels cut until they resolve the likelihood.
+
+    Parameters
+    ----------
+    support
+        Ends of the property's support; the mesh never leaves it.
+    whole
+        Keep the prior's panels outside the window too.
+    """
+    low, high = max(window.low, support[0]), min(window.high, support[1])
+    if not low < high:  # the whole likelihood lies beyond the support: its tail decides
+        low, high = support[0], min(support[1], float(prior.edges[-1]))
+    edges, graded = _extended(prior, low, high)
+    if not whole:
+        first = max(int(np.searchsorted(edges, low, side="right")) - 1, 0)
+        last = min(int(np.searchsorted(edges, high, side="left")), len(edges) - 1)
+        edges, graded = edges[first : last + 1].copy(), graded[first:last]
+        # Cut off what the window leaves of its first and last panel, where that is worth a cut.
+        if not graded[0]:
+            edges[0] = max(edges[0], low)
+        if not graded[-1]:
+            edges[-1] = min(edges[-1], high)
+    return _cut(edges, graded, window, prior.origin)
+
+
+def _extended(prior: Mesh, low: float, high: float) -> tuple[Array, NDArray[np.bool_]]:
+    edges, graded = prior.edges, prior.graded
+    if np.isfinite(low) and low < edges[0]:
+        edges, graded = np.append(low, edges), np.append(False, graded)
+    if np.isfinite(high) and high > edges[-1]:
+        edges, graded = np.append(edges, high), np.append(graded, False)
+    return edges, graded
+
+
+def _cut(edges: Array, graded: NDArray[np.bool_], window: Window, origin: float) -> Mesh:
+    scale = np.full(len(edges) - 1, np.inf)
+    for low, high, fine in window.fine:
+        inside = (edges[:-1] < high) & (edges[1:] > low)
+        scale = np.where(inside, np.minimum(scale, fine), scale)
+    return cut(Mesh(edges, graded, origin), scale)
+
+
+def cut(mesh: Mesh, scale: Array) -> Mesh:
+    """The mesh with each panel cut into equal pieces of at most WIDTH times the panel's scale (P,)."""
+    edges, graded = mesh.edges, mesh.graded
+    widths = np.diff(edges)
+    pieces = np.maximum(np.ceil(np.minimum(widths / (WIDTH * scale), 1e5) - 1e-9).astype(int), 1)
+    if (pieces == 1).all():
+        return mesh
+    starts = np.repeat(edges[:-1], pieces)
+    steps = np.repeat(widths / pieces, pieces)
+    index = np.arange(len(starts)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    still_graded = np.repeat(graded & ((pieces == 1) | (edges[:-1] <= mesh.origin)), pieces) & (index == 0)
+    return Mesh(np.append(starts + index * steps, edges[-1]), still_graded, mesh.origin)

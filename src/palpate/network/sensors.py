@@ -1,0 +1,263 @@
+"""Sensor models p(outcome | property); the same one serves the update and the expected gain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+from palpate.outcomes import Above, Below, Reading
+
+__all__ = [
+    "ConfusionSensor",
+    "Kernel",
+    "Noise",
+    "NormalNoise",
+    "NumberOutcome",
+    "NumberSensor",
+    "Sensor",
+    "StudentTNoise",
+]
+
+Array = NDArray[np.float64]
+NumberOutcome = Reading | Above | Below
+"""The outcomes of a number sensor that say something of the property."""
+
+
+@dataclass(frozen=True, eq=False)
+class ConfusionSensor:
+    """A sensor of a categorical property that returns a label.
+
+    Parameters
+    ----------
+    table
+        P(outcome | state), outcomes x states; columns sum to one.
+    repeat_probability
+        Each look at one object repeats, with this probability, one hidden label drawn once from
+        the object's column, and otherwise draws afresh: ten looks by one camera are not ten
+        independent ones. 0 makes looks independent given the state.
+    """
+
+    property: str
+    outcomes: tuple[str, ...]
+    table: Array
+    repeat_probability: float = 0.0
+
+    def _hidden(self, labels: Sequence[str]) -> Array:
+        """P(hidden label, labels | state), hidden labels x states."""
+        joint = self.table.copy()
+        for label in labels:
+            index = self.outcomes.index(label)
+            fresh = (1 - self.repeat_probability) * self.table[index]
+            joint *= fresh + self.repeat_probability * (np.arange(len(self.outcomes)) == index)[:, None]
+        return joint
+
+    def likelihood(self, labels: Sequence[str]) -> Array:
+        """P(labels | state) of all looks at one object together [state]."""
+        return np.asarray(self._hidden(labels).sum(axis=0))
+
+    def predictive(self, labels: Sequence[str]) -> Array:
+        """P(next label | state, the labels so far), outcomes x states; columns sum to one."""
+        if not self.repeat_probability or not labels:
+            return self.table
+        hidden = self._hidden(labels)
+        total = hidden.sum(axis=0)
+        hidden = np.where(total > 0, hidden / np.where(total > 0, total, 1), self.table)
+        return self.repeat_probability * hidden + (1 - self.repeat_probability) * self.table
+
+
+class Noise(Protocol):
+    """The form of a number sensor's noise, for a standardised residual z."""
+
+    def log_density(self, z: Array) -> Array:
+        """Natural log of the density of z."""
+
+    def cdf(self, z: Array) -> Array:
+        """P(Z <= z)."""
+
+    def log_cdf(self, z: Array) -> Array:
+        """Natural log of `cdf`, exact far in the tail."""
+
+    def draw(self, rng: np.random.Generator) -> float:
+        """One residual."""
+
+
+@dataclass(frozen=True)
+class NormalNoise:
+    """Normal noise; the scale is its SD."""
+
+    def log_density(self, z: Array) -> Array:
+        return np.asarray(-0.5 * z * z - 0.5 * np.log(2 * np.pi))
+
+    def cdf(self, z: Array) -> Array:
+        return np.asarray(special.ndtr(z))
+
+    def log_cdf(self, z: Array) -> Array:
+        return np.asarray(special.log_ndtr(z))
+
+    def draw(self, rng: np.random.Generator) -> float:
+        return float(rng.standard_normal())
+
+
+@dataclass(frozen=True)
+class StudentTNoise:
+    """Heavy-tailed noise: Student's t with `dof` degrees of freedom; the scale is not its SD."""
+
+    dof: float
+
+    def log_density(self, z: Array) -> Array:
+        dof = self.dof
+        constant = special.gammaln((dof + 1) / 2) - special.gammaln(dof / 2) - 0.5 * np.log(dof * np.pi)
+        return np.asarray(constant - (dof + 1) / 2 * np.log1p(z * z / dof))
+
+    def cdf(self, z: Array) -> Array:
+        return np.asarray(special.stdtr(self.dof, z))
+
+    def log_cdf(self, z: Array) -> Array:
+        return np.asarray(np.log(special.stdtr(self.dof, z)))
+
+    def draw(self, rng: np.random.Generator) -> float:
+        return float(rng.standard_t(self.dof))
+
+
+@dataclass(frozen=True, eq=False)
+class Kernel:
+    """p(next reading | true value, readings so far): noise about shifted values, a mixture.
+
+    Shapes below: x true values (X,), y readings (Y,). There are (X, O) mixture terms, O = 1 unless
+    an offset shared by repetitions had to be integrated numerically.
+    """
+
+    noise: Noise
+    centre: Array  # (X, O)
+    scale: Array  # (X, O)
+    weight: Array  # (X, O), rows sum to one
+
+    def _mix(self, values: Array) -> Array:
+        if values.shape[1] == 1:
+            return values[:, 0]
+        return np.asarray((values * self.weight[:, :, None]).sum(axis=1))
+
+    def density(self, y: Array) -> Array:
+        """(X, Y), per unit of y."""
+        z = (y - self.centre[:, :, None]) / self.scale[:, :, None]
+        return self._mix(np.exp(self.noise.log_density(z)) / self.scale[:, :, None])
+
+    def cdf(self, y: Array) -> Array:
+        """P(reading <= y), (X, Y), before saturation."""
+        return self._mix(self.noise.cdf((y - self.centre[:, :, None]) / self.scale[:, :, None]))
+
+    def survival(self, y: Array) -> Array:
+        """P(reading >= y), (X, Y), before saturation; exact where it is small."""
+        return self._mix(self.noise.cdf((self.centre[:, :, None] - y) / self.scale[:, :, None]))
+
+
+@dataclass(frozen=True, eq=False)
+class NumberSensor:
+    """A sensor of a continuous or derived property that returns a number in its unit.
+
+    Parameters
+    ----------
+    sd
+        Scale of the noise, in the property's unit.
+    relative_sd
+        Scale of the noise as a fraction of the true value; the two add in quadrature.
+    low, high
+        Readings below `low` and above `high` saturate: they are returned as `Below(low)` and
+        `Above(high)` (a Tobit likelihood with an atom at each finite end).
+    offset_sd
+        SD of an offset common to all readings of one object, N(0, offset_sd^2).
+    """
+
+    property: str
+    sd: float
+    relative_sd: float = 0.0
+    noise: Noise = NormalNoise()
+    low: float = -np.inf
+    high: float = np.inf
+    offset_sd: float = 0.0
+
+    def scale(self, x: Array, sd: float | None = None) -> Array:
+        """Scale of the noise at true values x; `sd` is an outcome's own."""
+        if sd is not None:
+            return np.full_like(x, sd)
+        if not self.relative_sd:
+            return np.full_like(x, self.sd)
+        # A purely relative noise would vanish at zero; 1e-12 keeps the density finite there.
+        return np.maximum(np.hypot(self.sd, self.relative_sd * x), 1e-12)
+
+    def _log_term(self, outcome: NumberOutcome, x: Array, centre: Array) -> Array:
+        scale = self.scale(x, outcome.sd)
+        if scale.ndim < centre.ndim:
+            scale = scale[:, None]
+        if isinstance(outcome, Reading):
+            return self.noise.log_density((outcome.value - centre) / scale) - np.log(scale)
+        sign = 1.0 if isinstance(outcome, Above) else -1.0
+        return self.noise.log_cdf(sign * (centre - outcome.bound) / scale)
+
+    def _offset(self, outcomes: Sequence[NumberOutcome], x: Array) -> tuple[Array, Array, Array]:
+        """Posterior of the shared offset given x: (log evidence (X,), offsets (X, O), weights (X, O))."""
+        nodes, weights = np.polynomial.legendre.leggauss(8)
+        least = min([self.offset_sd, *(float(self.scale(x, o.sd).min()) for o in outcomes), float(self.scale(x).min())])
+        panels = int(np.clip(np.ceil(16 * self.offset_sd / (2 * max(least, 1e-9))), 8, 400))
+        edges = np.linspace(-8 * self.offset_sd, 8 * self.offset_sd, panels + 1)
+        half = (edges[1] - edges[0]) / 2
+        offsets = ((edges[:-1] + half)[:, None] + half * nodes).ravel()[None, :]
+        z = offsets / self.offset_sd
+        log_weight = -0.5 * z * z + np.log(np.tile(weights * half, panels))[None, :]
+        log_weight = np.broadcast_to(log_weight - special.logsumexp(log_weight), (x.size, offsets.size))
+        for outcome in outcomes:
+            log_weight = log_weight + self._log_term(outcome, x, x[:, None] + offsets)
+        total = special.logsumexp(log_weight, axis=1)
+        safe = np.where(np.isfinite(total), total, 0.0)
+        return total, np.broadcast_to(offsets, log_weight.shape), np.exp(log_weight - safe[:, None])
+
+    def _closed(self, outcomes: Sequence[NumberOutcome]) -> bool:
+        return isinstance(self.noise, NormalNoise) and all(isinstance(o, Reading) for o in outcomes)
+
+    def _pooled(self, outcomes: Sequence[NumberOutcome], x: Array) -> tuple[Array, Array]:
+        """Precision-weighted mean of the readings and its variance without the offset, (X,) each."""
+        precision = np.array([self.scale(x, o.sd) ** -2.0 for o in outcomes])  # (n, X)
+        values = np.array([[o.value] for o in outcomes if isinstance(o, Reading)])
+        variance = 1 / precision.sum(axis=0)
+        return (precision * values).sum(axis=0) * variance, variance
+
+    def log_likelihood(self, outcomes: Sequence[NumberOutcome], x: Array) -> Array:
+        """Natural log of p(outcomes | x) of all readings of one object together (X,).
+
+        Densities are per unit of the property for readings; bounds count as probabilities.
+        """
+        if not self.offset_sd or not outcomes:
+            return np.asarray(sum((self._log_term(o, x, x) for o in outcomes), np.zeros_like(x)))
+        if not self._closed(outcomes):
+            return self._offset(outcomes, x)[0]
+        # Given the pooled mean the readings do not depend on x + offset: swap its variance.
+        mean, variance = self._pooled(outcomes, x)
+        independent = sum((self._log_term(o, x, x) for o in outcomes), np.zeros_like(x))
+        wide = variance + self.offset_sd**2
+        swap = 0.5 * (mean - x) ** 2 * (1 / variance - 1 / wide) + 0.5 * np.log(variance / wide)
+        return np.asarray(independent + swap)
+
+    def predictive(self, outcomes: Sequence[NumberOutcome], x: Array, sd: float | None = None) -> Kernel:
+        """The next reading's distribution given x and the readings so far."""
+        scale = self.scale(x, sd)
+        if not self.offset_sd:
+            return Kernel(self.noise, x[:, None], scale[:, None], np.ones((x.size, 1)))
+        if not self._closed(outcomes):
+            _, offsets, weights = self._offset(outcomes, x)
+            centre = x[:, None] + offsets
+            return Kernel(self.noise, centre, np.broadcast_to(scale[:, None], centre.shape), weights)
+        variance_offset, shift = np.full_like(x, self.offset_sd**2), np.zeros_like(x)
+        if outcomes:
+            mean, variance = self._pooled(outcomes, x)
+            share = variance_offset / (variance_offset + variance)
+            variance_offset, shift = variance_offset * (1 - share), share * (mean - x)
+        total = np.sqrt(scale**2 + variance_offset)
+        return Kernel(self.noise, (x + shift)[:, None], total[:, None], np.ones((x.size, 1)))
+
+
+Sensor = ConfusionSensor | NumberSensor

@@ -1,0 +1,185 @@
+"""Units: checked when a network is read and when a number arrives, never in the hot path.
+
+Answers for common units ship in ``data/units.json`` (factor to SI base units and dimension), so
+that pint, which takes long to import, is only asked for units that are not there.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from tokenize import TokenError
+
+from palpate.errors import PalpateError
+from palpate.network.formula import Formula
+
+__all__ = ["Unit", "UnitError", "ask_pint", "factor", "in_units", "unit_of"]
+
+SHIPPED = Path(__file__).parents[1] / "data" / "units.json"
+Dimension = Mapping[str, float]
+
+
+class UnitError(PalpateError, ValueError):
+    """A unit that is not known or has the wrong dimension; one sentence, without the place."""
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit as its factor to SI base units and the exponents of its base dimensions."""
+
+    factor: float
+    dimension: Dimension
+
+
+@cache
+def unit_of(text: str) -> Unit:
+    """Look up a unit.
+
+    Raises
+    ------
+    UnitError
+        If the unit is not known, or is not a multiple of its base unit (as degrees Celsius).
+
+    Examples
+    --------
+    >>> unit_of("cm^3")
+    Unit(factor=1e-06, dimension={'length': 3.0})
+    """
+    shipped = _shipped()
+    return shipped[text] if text in shipped else ask_pint(text)
+
+
+@cache
+def _shipped() -> Mapping[str, Unit]:
+    entries = json.loads(SHIPPED.read_text(encoding="utf-8"))
+    return {text: Unit(entry["factor"], entry["dimension"]) for text, entry in entries.items()}
+
+
+@cache
+def ask_pint(text: str) -> Unit:
+    """As `unit_of`, from pint instead of the shipped answers."""
+    import pint  # its import takes longer than reading a network
+
+    registry = pint.application_registry
+    try:
+        zero, one = (registry.Quantity(value, text).to_base_units() for value in (0.0, 1.0))
+    except (pint.PintError, ValueError, TypeError, SyntaxError, TokenError, AssertionError):
+        raise UnitError(f"unknown unit {text!r}; expected one such as 'g', 'cm^3', 'kg/m^3', 'kPa'") from None
+    if zero.magnitude != 0:
+        raise UnitError(f"unit {text!r} has an offset; expected a multiple of a base unit, such as 'K'")
+    dimension = {str(name).strip("[]"): float(power) for name, power in sorted(one.dimensionality.items())}
+    # 15 digits: pint multiplies 0.01 three times for a cubic centimetre.
+    return Unit(float(f"{one.magnitude:.15g}"), dimension)
+
+
+def factor(unit_from: str, unit_to: str) -> float:
+    """The number that turns a value in one unit into a value in another.
+
+    Raises
+    ------
+    UnitError
+        If a unit is unknown, or the two have different dimensions.
+
+    Examples
+    --------
+    >>> factor("kg", "g")
+    1000.0
+    """
+    if unit_from == unit_to:
+        return 1.0
+    source, target = unit_of(unit_from), unit_of(unit_to)
+    if source.dimension != target.dimension:
+        raise UnitError(
+            f"unit {unit_from!r} is {_words(source.dimension)}; expected {_words(target.dimension)}, as {unit_to!r}"
+        )
+    return float(f"{source.factor / target.factor:.15g}")
+
+
+def in_units(formula: Formula, units: Mapping[str, str], unit: str) -> Formula:
+    """The formula over quantities, rewritten over their values in `units`, with a value in `unit`.
+
+    Raises
+    ------
+    UnitError
+        If the dimensions of the formula do not fit together or to `unit`.
+
+    Examples
+    --------
+    >>> mass_g = in_units(Formula.parse("density * volume"), {"density": "kg/m^3", "volume": "cm^3"}, "g")
+    >>> float(mass_g.evaluate({"density": 800.0, "volume": 50.0}))
+    40.0
+    """
+    known = {name: unit_of(units[name]) for name in formula.variables}
+    found, wanted = _dimension(formula.tree, {name: u.dimension for name, u in known.items()}), unit_of(unit)
+    if found != wanted.dimension:
+        raise UnitError(
+            f"formula {formula.text!r} gives {_words(found)}; expected {_words(wanted.dimension)}, as unit {unit!r}"
+        )
+    factors = {name: u.factor for name, u in known.items()}
+    if not _is_monomial(formula.tree):
+        return formula.scaled(factors, wanted.factor)
+    # All factors of a product come out as one: fewer operations, and no rounding for 1e-6 x 1000.
+    ones = dict.fromkeys(factors, 1.0)
+    total = float(formula.evaluate(factors) / formula.evaluate(ones)) / wanted.factor
+    return formula.scaled({}, float(f"{1 / total:.15g}"))
+
+
+def _is_monomial(node: ast.expr) -> bool:
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult | ast.Div | ast.Pow):
+        return _is_monomial(node.left) and _is_monomial(node.right)
+    return isinstance(node, ast.Name | ast.Constant)
+
+
+def _dimension(node: ast.expr, dimensions: Mapping[str, Dimension]) -> Dimension:
+    """The dimension of an expression that `Formula.parse` has accepted."""
+    if isinstance(node, ast.Name):
+        return dimensions[node.id]
+    if isinstance(node, ast.UnaryOp):
+        return _dimension(node.operand, dimensions)
+    if isinstance(node, ast.Call):
+        inner = _dimension(node.args[0], dimensions)
+        if ast.unparse(node.func) == "sqrt":
+            return _product(inner, {}, 0.5, 0.0)
+        if inner:
+            raise UnitError(f"{ast.unparse(node)!r} takes {_words(inner)}; expected a number without a unit")
+        return inner
+    if isinstance(node, ast.BinOp):
+        return _dimension_of_operation(node, dimensions)
+    return {}
+
+
+def _dimension_of_operation(node: ast.BinOp, dimensions: Mapping[str, Dimension]) -> Dimension:
+    left, right = _dimension(node.left, dimensions), _dimension(node.right, dimensions)
+    if isinstance(node.op, ast.Pow):
+        exponent = Formula(node.right, ast.unparse(node.right)).evaluate({})
+        return _product(left, {}, float(exponent), 0.0)
+    if isinstance(node.op, ast.Mult | ast.Div):
+        return _product(left, right, 1.0, 1.0 if isinstance(node.op, ast.Mult) else -1.0)
+    if left != right:
+        raise UnitError(
+            f"{ast.unparse(node)!r} adds {_words(left)} and {_words(right)}; expected both of one dimension"
+        )
+    return left
+
+
+def _product(left: Dimension, right: Dimension, left_power: float, right_power: float) -> Dimension:
+    powers = {
+        name: left.get(name, 0.0) * left_power + right.get(name, 0.0) * right_power for name in sorted({*left, *right})
+    }
+    return {name: power for name, power in powers.items() if power}
+
+
+def _words(dimension: Dimension) -> str:
+    """A dimension as it stands in a message.
+
+    Examples
+    --------
+    >>> _words({"length": -3.0, "mass": 1.0})
+    'length^-3 mass'
+    """
+    parts = [name if power == 1 else f"{name}^{power:g}" for name, power in dimension.items()]
+    return " ".join(parts) or "a number without a unit"

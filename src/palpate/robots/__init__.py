@@ -1,0 +1,1 @@
+"""Robots: the protocol and its contract test kit; sampled, replayed and made of functions."""

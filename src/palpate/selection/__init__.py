@@ -1,0 +1,1 @@
+"""Selection: objectives, policies and stopping rules."""
