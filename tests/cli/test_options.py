@@ -111,7 +111,7 @@ def test_costs() -> None:
 )
 def test_wrong_costs(texts: list[str], said: str) -> None:
     """A cost that is none is refused with the option and what would be right."""
-    with pytest.raises(PalpateError, match="^--cost") as refused:
+    with pytest.raises(PalpateError, match=r"^--cost") as refused:
         options.costs(NETWORK, texts)
     assert said in str(refused.value)
 
@@ -121,7 +121,7 @@ def test_wrong_costs(texts: list[str], said: str) -> None:
 )
 def test_wrong_policies(text: str) -> None:
     """A policy that does not exist, or whose argument is wrong, is refused."""
-    with pytest.raises(PalpateError, match="^--policy"):
+    with pytest.raises(PalpateError, match=r"^--policy"):
         options.policy(NETWORK, text)
 
 
@@ -131,7 +131,7 @@ def test_wrong_policies(text: str) -> None:
 )
 def test_wrong_stopping_rules(text: str) -> None:
     """A stopping rule that does not exist, or whose argument is wrong, is refused."""
-    with pytest.raises(PalpateError, match="^--stop"):
+    with pytest.raises(PalpateError, match=r"^--stop"):
         options.stopping(NETWORK, [text])
 
 

@@ -255,7 +255,7 @@ class Posterior:
             return entropy(self.probabilities(name))
         on, masses = self.masses(name)
         mass = masses.sum(axis=0) / masses.sum()
-        keep = mass > 0
+        keep = mass > 1e-250
         slope = np.ones(on.x.size)
         if name in self.oracle.functions:
             h = 1e-6 * on.x

@@ -91,5 +91,6 @@ def _add_number(table: Table, marginal: ContinuousMarginal, scale: Scale) -> Non
     first, last = scale.cell(low), scale.cell(high)
     cells[first : last + 1] = ["━"] * (last + 1 - first)
     cells[scale.cell(middle)] = "●"
-    interval = Text.assemble(*((c, "bright_black" if c == "·" else "cyan") for c in cells))
+    interval = Text("".join(cells), style="bright_black")
+    interval.stylize("cyan", first, last + 1)
     table.add_row(Text(marginal.name, style="bold"), spread, f"{number(low)} to {number(high)}", interval)

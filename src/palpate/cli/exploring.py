@@ -109,7 +109,7 @@ def _shown(asked: Asked, ready: Ready, screen: Console, view: View) -> Iterator[
             costs_s=ready.costs_s,
             timeout_s=asked.timeout_s,
         ):
-            live.update("")
+            live.update(Group(), refresh=True)
             if step.action is not None:
                 screen.print(view.step(step))
             yield step

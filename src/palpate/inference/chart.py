@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.inference.mesh import ORDER, Mesh
-from palpate.inference.tensors import Table
+from palpate.inference.tensors import Table, contract
 from palpate.network.properties import ContinuousProperty, DerivedProperty
 
 __all__ = ["Chart", "Frame", "MasterChart"]
@@ -32,26 +33,43 @@ class Chart:
 
     The product is to be multiplied by exp(log_along), a vector along the last axis: what is taken
     out of the tables there, so that nothing that counts underflows however far the tail.
+
+    Parameters
+    ----------
+    totals
+        The tables' product summed to the last axis and the configurations, where it is known.
     """
 
     tables: tuple[Table, ...]
     log_along: Array
     meshes: Mapping[str, Mesh]
+    totals: Table | None = None
 
     def with_likelihood(self, log_likelihood: Array) -> Chart:
         """The chart times a likelihood along its last axis."""
         return replace(self, log_along=self.log_along + log_likelihood)
 
-    @property
+    @cached_property
     def log_scale(self) -> float:
         """Natural log of the factor left out of `factors`."""
         return max(float(self.log_along.max()), -1e300)
 
-    @property
+    @cached_property
     def factors(self) -> tuple[Table, ...]:
         """All tables, the vector along the last axis among them, scaled to maximum 1."""
+        return (*self.tables, self.along)
+
+    @cached_property
+    def along(self) -> Table:
+        """The vector along the last axis, scaled to maximum 1."""
         *_, last = self.meshes
-        return (*self.tables, Table(np.exp(self.log_along - self.log_scale), (last,)))
+        return Table(np.exp(self.log_along - self.log_scale), (last,))
+
+    def mass(self, out: Names) -> Table:
+        """The tables' product summed to categorical parents and axes."""
+        if self.totals is not None and set(out) <= set(self.totals.names):
+            return contract((self.totals, self.along), out)
+        return contract(self.factors, out)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +145,8 @@ def _spread(values: Array, have: Names, want: Names) -> Array:
 class MasterChart:
     """A chart without evidence on a fine mesh of its last axis, worked out block by block when asked for.
 
-    Readings of the last axis look at a window of it: their update then evaluates no density.
+    Readings of the last axis look at a window of it: their update then evaluates no density. Its
+    largest table has the last axis first, so that a window is one stretch of memory.
     """
 
     def __init__(self, frame: Frame, meshes: Mapping[str, Mesh]) -> None:
@@ -135,29 +154,33 @@ class MasterChart:
         self.meshes = meshes
         self.mesh = meshes[frame.axes[-1]]
         self._ready = np.zeros(-(-self.mesh.size // BLOCK), dtype=bool)
-        self._tables: list[Table] = []
-        self._rest = np.empty(0)
+        self._tables: tuple[Table, ...] = ()
+        self._rest = self._totals = np.empty(0)
         self._log_along = np.empty(self.mesh.size)
 
     def window(self, first: int, last: int) -> Chart:
         """The chart on panels first to last - 1 of the last axis."""
-        start, stop = first * ORDER, last * ORDER
+        start, stop, name = first * ORDER, last * ORDER, self.frame.axes[-1]
         for block in range(start // BLOCK, (stop - 1) // BLOCK + 1):
             if not self._ready[block]:
                 self._fill(block)
         *own, rest = self._tables
-        window = Table(self._rest[..., start:stop], rest.names)
-        meshes = {**self.meshes, self.frame.axes[-1]: self.mesh.between(first, last)}
-        return Chart((*own, window), self._log_along[start:stop], meshes)
+        window = Table(self._rest[start:stop], (name, *rest.names[:-1]))
+        totals = Table(self._totals[start:stop], (name, *self.frame.parents))
+        meshes = {**self.meshes, name: self.mesh.between(first, last)}
+        return Chart((*own, window), self._log_along[start:stop], meshes, totals)
 
     def _fill(self, block: int) -> None:
-        panels = BLOCK // ORDER
+        panels, name = BLOCK // ORDER, self.frame.axes[-1]
         part = self.mesh.between(block * panels, min((block + 1) * panels, len(self.mesh.edges) - 1))
-        chart = self.frame.chart({**self.meshes, self.frame.axes[-1]: part})
+        chart = self.frame.chart({**self.meshes, name: part})
+        totals = contract(chart.tables, (name, *self.frame.parents)).values
+        rest = np.moveaxis(chart.tables[-1].values, -1, 0)
         if not self._tables:
-            self._tables = list(chart.tables)
-            self._rest = np.empty((*chart.tables[-1].values.shape[:-1], self.mesh.size))
+            self._tables = chart.tables
+            self._rest = np.empty((self.mesh.size, *rest.shape[1:]))
+            self._totals = np.empty((self.mesh.size, *totals.shape[1:]))
         here = slice(block * BLOCK, block * BLOCK + part.size)
-        self._rest[..., here] = chart.tables[-1].values
+        self._rest[here], self._totals[here] = rest, totals
         self._log_along[here] = chart.log_along
         self._ready[block] = True

@@ -214,7 +214,9 @@ class ExactBelief:
         key = (frame.axes, name)
         if key not in self._axis_masses:
             weights = per_mass(self.categorical(group.group.parents), group.mass(frame))
-            self._axis_masses[key] = contract((weights, *group.factors(frame)), (name,)).values
+            last = name == frame.axes[-1]  # the group keeps its mass along that axis
+            tables = (group.mass(frame, name),) if last else group.factors(frame)
+            self._axis_masses[key] = contract((weights, *tables), (name,)).values
         return self._axis_masses[key]
 
     def with_nodes(self, members: tuple[str, ...], names: tuple[str, ...]) -> Table:

@@ -45,7 +45,6 @@ class GroupBelief:
         self.touched = frozenset(readings)
         self._windows = {name: Window.of(r) for name, r in readings.items()}
         self._charts: dict[Names, Chart] = {}
-        self._factors: dict[Names, tuple[Table, ...]] = {}
         self._masses: dict[tuple[Names, Names], Table] = {}
         self._channels: dict[tuple[int, bool], NumberChannel] = {}
         self._given: dict[int, Table] = {}
@@ -71,15 +70,13 @@ class GroupBelief:
 
     def factors(self, frame: Frame) -> tuple[Table, ...]:
         """The chart's tables, the vector along its last axis among them."""
-        if frame.axes not in self._factors:
-            self._factors[frame.axes] = self.chart(frame).factors
-        return self._factors[frame.axes]
+        return self.chart(frame).factors
 
     def mass(self, frame: Frame, *axes: str) -> Table:
         """The chart's total per configuration, and per node of the given axes."""
         key = (frame.axes, axes)
         if key not in self._masses:
-            self._masses[key] = contract(self.factors(frame), (*self.group.parents, *axes))
+            self._masses[key] = self.chart(frame).mass((*self.group.parents, *axes))
         return self._masses[key]
 
     @cached_property
@@ -190,20 +187,20 @@ class GroupBelief:
     def _settle(self, name: str) -> None:
         """Widen the window of a derived member until no configuration has mass at its ends."""
         frame = self.sure_frame()
-        while name in frame.axes and self._crowded(frame, name):
-            self._windows[name] = self._windows[name].wider()
+        while name in frame.axes:
+            at_low, at_high = self._crowded(frame, name)
+            if not at_low and not at_high:
+                break
+            self._windows[name] = self._windows[name].wider(at_low, at_high)
             self._charts.clear()
-            self._factors.clear()
             self._masses.clear()
 
-    def _crowded(self, frame: Frame, name: str) -> bool:
+    def _crowded(self, frame: Frame, name: str) -> tuple[bool, bool]:
         mesh, prior = self.chart(frame).meshes[name], self.group.mesh(frame, name)
         low_open = mesh.edges[0] > max(self.group.support(name)[0], prior.edges[0])
         high_open = mesh.edges[-1] < prior.edges[-1]
-        if not low_open and not high_open:
-            return False
         masses = self.mass(frame, name).values.reshape(-1, mesh.size)
         total = masses.sum(axis=1)
         faint = np.where(total > total.max() * 1e-13, EDGE_MASS, FAINT_EDGE_MASS) * total + TINY
         at_low, at_high = masses[:, :ORDER].sum(axis=1), masses[:, -ORDER:].sum(axis=1)
-        return bool((low_open and (at_low > faint).any()) or (high_open and (at_high > faint).any()))
+        return bool(low_open and (at_low > faint).any()), bool(high_open and (at_high > faint).any())

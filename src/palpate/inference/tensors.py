@@ -34,14 +34,21 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class _Plan:
+    """How to multiply two tables: as a broadcast product, as one matrix product, or by einsum.
+
+    Orders are of the operands' axes after those that neither the other table nor the result has
+    were summed.
+    """
+
     drop_a: tuple[int, ...]
     drop_b: tuple[int, ...]
+    kind: str
     order_a: tuple[int, ...]
     order_b: tuple[int, ...]
-    batch: int
-    free_a: int
-    free_b: int
     summed: int
+    first_a: bool
+    first_b: bool
+    subscripts: tuple[list[int], list[int], list[int]]
     order_out: tuple[int, ...]
 
 
@@ -52,19 +59,27 @@ def _plan(a: Names, b: Names, out: Names) -> _Plan:
     a, b = tuple(n for n in a if n in b or n in out), tuple(n for n in b if n in a or n in out)
     batch = [n for n in out if n in a and n in b]
     free_a, free_b = [n for n in a if n not in b], [n for n in b if n not in a]
-    summed = [n for n in a if n in b and n not in out]
-    made = [*batch, *free_a, *free_b]
-    return _Plan(
-        drop_a,
-        drop_b,
-        tuple(a.index(n) for n in [*batch, *free_a, *summed]),
-        tuple(b.index(n) for n in [*batch, *summed, *free_b]),
-        len(batch),
-        len(free_a),
-        len(free_b),
-        len(summed),
-        tuple(made.index(n) for n in out),
-    )
+    summed = [n for n in b if n in a and n not in out]
+    number = {n: i for i, n in enumerate(dict.fromkeys(a + b))}
+    subscripts = ([number[n] for n in a], [number[n] for n in b], [number[n] for n in out])
+    if summed and batch:
+        return _Plan(drop_a, drop_b, "einsum", (), (), 0, False, False, subscripts, ())
+    if not summed:
+        order_a, order_b = (tuple(x.index(n) if n in x else -1 for n in out) for x in (a, b))
+        return _Plan(drop_a, drop_b, "multiply", order_a, order_b, 0, False, False, subscripts, ())
+    # Summed axes stand first where they already do, last elsewhere: that saves copies.
+    first_a, first_b = a[0] in summed, b[0] in summed
+    order_a = tuple(a.index(n) for n in ([*summed, *free_a] if first_a else [*free_a, *summed]))
+    order_b = tuple(b.index(n) for n in ([*summed, *free_b] if first_b else [*free_b, *summed]))
+    made = [*free_a, *free_b]
+    order_out = tuple(made.index(n) for n in out)
+    return _Plan(drop_a, drop_b, "matmul", order_a, order_b, len(summed), first_a, first_b, subscripts, order_out)
+
+
+def _shaped(values: Array, order: tuple[int, ...]) -> Array:
+    """Axes in the given order, -1 for one of length one."""
+    moved = values.transpose([i for i in order if i >= 0])
+    return moved[tuple(slice(None) if i >= 0 else None for i in order)] if -1 in order else moved
 
 
 def product(a: Table, b: Table, out: Names) -> Table:
@@ -72,15 +87,18 @@ def product(a: Table, b: Table, out: Names) -> Table:
     plan = _plan(a.names, b.names, out)
     x = a.values.sum(axis=plan.drop_a) if plan.drop_a else a.values
     y = b.values.sum(axis=plan.drop_b) if plan.drop_b else b.values
-    x, y = x.transpose(plan.order_a), y.transpose(plan.order_b)
-    nb, na, ns = plan.batch, plan.free_a, plan.summed
-    shape = x.shape[: nb + na] + y.shape[nb + ns :]
-    if ns:
-        batch, rows, inner = prod(x.shape[:nb]), prod(x.shape[nb : nb + na]), prod(x.shape[nb + na :])
-        z = np.matmul(x.reshape(batch, rows, inner), y.reshape(batch, inner, prod(y.shape[nb + ns :]))).reshape(shape)
-    else:
-        z = x.reshape(x.shape + (1,) * plan.free_b) * y.reshape(y.shape[:nb] + (1,) * na + y.shape[nb:])
-    return Table(z.transpose(plan.order_out), out)
+    if plan.kind == "multiply":
+        return Table(_shaped(x, plan.order_a) * _shaped(y, plan.order_b), out)
+    if plan.kind == "einsum":
+        in_a, in_b, made = plan.subscripts
+        return Table(np.einsum(x, in_a, y, in_b, made), out)
+    x, y, n = x.transpose(plan.order_a), y.transpose(plan.order_b), plan.summed
+    free_a = x.shape[n:] if plan.first_a else x.shape[: x.ndim - n]
+    free_b = y.shape[n:] if plan.first_b else y.shape[: y.ndim - n]
+    rows, columns = prod(free_a), prod(free_b)
+    x = x.reshape(-1, rows).T if plan.first_a else x.reshape(rows, -1)
+    y = y.reshape(-1, columns) if plan.first_b else y.reshape(columns, -1).T
+    return Table((x @ y).reshape(free_a + free_b).transpose(plan.order_out), out)
 
 
 def contract(tables: Sequence[Table], out: Names) -> Table:
@@ -105,13 +123,20 @@ def contract(tables: Sequence[Table], out: Names) -> Table:
 def _path(names: tuple[Names, ...], shapes: tuple[tuple[int, ...], ...], out: Names) -> tuple[tuple[int, int, Names], ...]:
     """Which two tables to multiply next, and what names to keep: greedily the cheapest pair, j before i."""
     size = {n: s for ns, shape in zip(names, shapes, strict=True) for n, s in zip(ns, shape, strict=True)}
-    left, path = list(names), []
-    while len(left) > 1:
-        pairs = [(j, i) for i in range(len(left)) for j in range(i)]
-        j, i = min(pairs, key=lambda pair: prod(size[n] for n in {*left[pair[0]], *left[pair[1]]}))
+    left, path = list(names), list[tuple[int, int, Names]]()
+
+    def kept(j: int, i: int) -> Names:
         later = {n for k, ns in enumerate(left) if k not in (i, j) for n in ns} | set(out)
-        both = dict.fromkeys(left[i] + left[j])
-        keep = out if len(left) == 2 else tuple(n for n in both if n in later)
+        return tuple(n for n in dict.fromkeys(left[i] + left[j]) if n in later)
+
+    def work(j: int, i: int) -> tuple[bool, int, int]:
+        """Tables that share a name first, then the fewest products, then the smallest result."""
+        both = {*left[i], *left[j]}
+        return set(left[i]).isdisjoint(left[j]), prod(size[n] for n in both), prod(size[n] for n in kept(j, i))
+
+    while len(left) > 1:
+        j, i = min(((j, i) for i in range(len(left)) for j in range(i)), key=lambda pair: work(*pair))
+        keep = out if len(left) == 2 else kept(j, i)
         path.append((i, j, keep))
         left = [ns for k, ns in enumerate(left) if k not in (i, j)] + [keep]
     return tuple(path)

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Readings = Sequence[tuple[NumberSensor, Sequence[NumberOutcome]]]
 """The readings of one property: per action its sensor and its outcomes."""
 
-REACH = 8.0
+REACH = 7.5
 """Scales from a reading beyond which its likelihood counts as nothing at first."""
 SLACK = 1.2
 """A panel may be this much wider than asked for."""
@@ -66,13 +66,10 @@ class Window:
             bool((((high - low) <= SLACK * WIDTH * scale) | (high <= a) | (low >= b)).all()) for a, b, scale in self.fine
         )
 
-    def wider(self) -> Window:
-        """Twice as wide."""
-        half = (self.high - self.low) / 2 if np.isfinite(self.high - self.low) else 0.0
-        if not half:
-            reach = max((f[1] - f[0] for f in self.fine), default=1.0)
-            return Window(self.low - reach, self.high + reach, self.fine)
-        return Window(self.low - half, self.high + half, self.fine)
+    def wider(self, at_low: bool, at_high: bool) -> Window:
+        """Wider at one end or both, by a quarter of the widest interval to resolve or of the window."""
+        width = max([f[1] - f[0] for f in self.fine] + [self.high - self.low if np.isfinite(self.high - self.low) else 0.0])
+        return Window(self.low - at_low * width / 4, self.high + at_high * width / 4, self.fine)
 
 
 def _pooled(sensor: NumberSensor, outcomes: Sequence[NumberOutcome]) -> list[tuple[float, float, float]]:
