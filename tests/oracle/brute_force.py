@@ -92,7 +92,7 @@ class Oracle:
         `features` is evidence (more than `items`) that the grids shall resolve without cutting
         anything off, to compare posteriors on the same cells.
         """
-        log_p = self.log_prior + self._log_categorical(items)
+        log_p = self.log_prior + self.log_categorical(items)
         groups: list[Integrated] = []
         for link in self.links:
             groups.append(self._pair(link, items, gains, features, log_p))
@@ -106,7 +106,8 @@ class Oracle:
                 log_p = log_p + groups[-1].log_z
         return Posterior(self, tuple(items), log_p, tuple(groups))
 
-    def _log_categorical(self, items: Sequence[Item]) -> Array:
+    def log_categorical(self, items: Sequence[Item]) -> Array:
+        """Natural log of the likelihood of each joint state by labels and vectors [J]."""
         log_l = np.zeros(len(self.states))
         with np.errstate(divide="ignore"):
             for item in items:

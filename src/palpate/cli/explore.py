@@ -26,7 +26,7 @@ def explore(
     network: Annotated[
         str | None,
         typer.Option(
-            help="Shipped network or TOML file [default: household-filled for the sampled robot, else household].",
+            help="Shipped network or TOML file (default: household-filled for the sampled robot, else household).",
             rich_help_panel=LOOP,
         ),
     ] = None,
@@ -44,11 +44,11 @@ def explore(
         list[str] | None,
         typer.Option(
             help="gain:BITS, net-gain:BITS_PER_S, entropy:PROPERTY:BITS, sd:PROPERTY:SD, cost:SECONDS, steps:N "
-            "or nothing-left; the first of several to hold stops [default: gain:0.05].",
+            "or nothing-left; the first of several to hold stops (default: gain:0.05).",
             rich_help_panel=LOOP,
         ),
     ] = None,
-    budget: Annotated[float | None, typer.Option(help="Cost not to exceed [s].", rich_help_panel=LOOP)] = None,
+    budget: Annotated[float | None, typer.Option(help="Cost not to exceed, in seconds.", rich_help_panel=LOOP)] = None,
     steps: Annotated[int | None, typer.Option(min=1, help="Most steps to take.", rich_help_panel=LOOP)] = None,
     cost: Annotated[
         list[str] | None,
@@ -66,13 +66,13 @@ def explore(
     ] = RobotKind.SAMPLED,
     session: Annotated[
         Path | None,
-        typer.Option(help="Session or episode log to replay [default: the shipped one].", rich_help_panel=ROBOT),
+        typer.Option(help="Session or episode log to replay (default: the shipped one).", rich_help_panel=ROBOT),
     ] = None,
     seed: Annotated[
-        int | None, typer.Option(min=0, help="Seed of all chance [default: a new one, shown].", rich_help_panel=ROBOT)
+        int | None, typer.Option(min=0, help="Seed of all chance (default: a new one, shown).", rich_help_panel=ROBOT)
     ] = None,
     timeout: Annotated[
-        float | None, typer.Option(help="Longest time an action may take [s].", rich_help_panel=ROBOT)
+        float | None, typer.Option(help="Longest time an action may take, in seconds.", rich_help_panel=ROBOT)
     ] = None,
     log: Annotated[
         Path | None, typer.Option(help="Write a line of JSON per step to this file.", rich_help_panel=OUTPUT)

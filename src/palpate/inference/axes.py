@@ -12,7 +12,7 @@ from palpate.inference.mesh import Mesh, Pieces, split
 from palpate.network.families import Family, StudentT
 from palpate.network.properties import ContinuousProperty, DerivedProperty
 
-__all__ = ["base_mesh", "derived_mesh", "scale_given"]
+__all__ = ["ALONE", "base_mesh", "derived_mesh", "scale_given"]
 
 Array = NDArray[np.float64]
 Given = Callable[[Array], Array]
@@ -26,6 +26,10 @@ CORE = 3e-5
 KEPT = 5e-3
 """Tail of the others beyond which that holds too."""
 KEPT_POINTS = 32
+ALONE = 0.7
+"""How much finer a property's mesh is where nothing else is integrated over with it."""
+GIVEN = 0.6
+"""How much finer a derived property's mesh is than its spread given the others."""
 
 
 def base_mesh(prior: ContinuousProperty, given: Given | None = None) -> Mesh:
@@ -46,7 +50,7 @@ def base_mesh(prior: ContinuousProperty, given: Given | None = None) -> Mesh:
     finite = supports[np.isfinite(supports)]
     graded = bool(np.isfinite(supports[0]).any() and lows.min() == supports[0][np.isfinite(supports[0])].min())
     if given is None:
-        pieces = Pieces(lows, highs, lambda x: family.local_scale(x).ravel())
+        pieces = Pieces(lows, highs, lambda x: ALONE * family.local_scale(x).ravel())
     else:
         least = float(_ends(family, KEPT)[0].min())
         pieces = Pieces(lows, highs, lambda x: np.minimum(family.local_scale(x).ravel(), given(np.array([max(x, least)]))[0]))
@@ -98,7 +102,7 @@ def _pieces_given_others(derived: DerivedProperty, solved: str, bases: Mapping[s
     given = {name: p.reshape(-1, 1) for name, p in zip(others, points, strict=True)}
     at = [derived.formula.evaluate({**given, solved: x}) for x in (low, high, centre - scale / 2, centre + scale / 2)]
     lows, highs = np.minimum(at[0], at[1]).ravel(), np.maximum(at[0], at[1]).ravel()
-    scales = np.abs(at[3] - at[2]).ravel()
+    scales = GIVEN * np.abs(at[3] - at[2]).ravel()
     return Pieces(lows, highs, lambda x: scales)
 
 

@@ -65,11 +65,13 @@ class Chart:
         *_, last = self.meshes
         return Table(np.exp(self.log_along - self.log_scale), (last,))
 
-    def mass(self, out: Names) -> Table:
-        """The tables' product summed to categorical parents and axes."""
-        if self.totals is not None and set(out) <= set(self.totals.names):
-            return contract((self.totals, self.along), out)
-        return contract(self.factors, out)
+    @cached_property
+    def reduced(self) -> tuple[Table, ...]:
+        """The factors with the last axis summed out."""
+        *_, last = self.meshes
+        with_last = [t for t in self.tables if last in t.names]
+        names = tuple(dict.fromkeys(n for t in with_last for n in t.names if n != last))
+        return (*(t for t in self.tables if last not in t.names), contract((*with_last, self.along), names))
 
 
 @dataclass(frozen=True, eq=False)

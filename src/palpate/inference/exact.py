@@ -214,9 +214,7 @@ class ExactBelief:
         key = (frame.axes, name)
         if key not in self._axis_masses:
             weights = per_mass(self.categorical(group.group.parents), group.mass(frame))
-            last = name == frame.axes[-1]  # the group keeps its mass along that axis
-            tables = (group.mass(frame, name),) if last else group.factors(frame)
-            self._axis_masses[key] = contract((weights, *tables), (name,)).values
+            self._axis_masses[key] = contract((weights, *group.reduced(frame, name)), (name,)).values
         return self._axis_masses[key]
 
     def with_nodes(self, members: tuple[str, ...], names: tuple[str, ...]) -> Table:
@@ -247,9 +245,10 @@ class ExactBelief:
         weights, tables = self.categorical(wanted), list[Table]()
         for home in homes:
             group = self.groups[home]
-            frame = group.sure_frame(*(m for m in members if self.parts.home[m] == home))
+            own = tuple(m for m in members if self.parts.home[m] == home)
+            frame = group.sure_frame(*own)
             weights = per_mass(weights, group.mass(frame))
-            tables += group.factors(frame)
+            tables += group.reduced(frame, *own)
         return [weights, *tables]
 
     # -- questions --------------------------------------------------------------------------

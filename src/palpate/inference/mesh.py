@@ -19,7 +19,7 @@ __all__ = ["WIDTH", "Mesh", "Pieces", "split"]
 Array = NDArray[np.float64]
 
 ORDER = 6
-WIDTH = 3.0
+WIDTH = 4.0
 GRADED_PANELS = 3
 GRADED_RATIO = 10.0
 

@@ -72,11 +72,23 @@ class GroupBelief:
         """The chart's tables, the vector along its last axis among them."""
         return self.chart(frame).factors
 
+    def reduced(self, frame: Frame, *axes: str) -> tuple[Table, ...]:
+        """Tables whose product, summed to configurations and some of the chart's axes, is their mass.
+
+        The last axis is summed out where it is not asked for, once for all that ask.
+        """
+        chart = self.chart(frame)
+        if axes == frame.axes[-1:] and chart.totals is not None:
+            return (chart.totals, chart.along)
+        if frame.axes[-1] in axes or len(frame.axes) == 1:
+            return chart.factors
+        return chart.reduced
+
     def mass(self, frame: Frame, *axes: str) -> Table:
         """The chart's total per configuration, and per node of the given axes."""
         key = (frame.axes, axes)
         if key not in self._masses:
-            self._masses[key] = self.chart(frame).mass((*self.group.parents, *axes))
+            self._masses[key] = contract(self.reduced(frame, *axes), (*self.group.parents, *axes))
         return self._masses[key]
 
     @cached_property

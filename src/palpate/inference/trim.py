@@ -45,7 +45,7 @@ class Trimmed:
                 joint = joint.take(kept, axis=i)
         self._joint = Table(joint, self.axes)
         self._joints: dict[tuple[Names, Names], Table] = {}
-        self._factors: dict[Names, tuple[Table, ...]] = {}
+        self._factors: dict[tuple[Names, Names], tuple[Table, ...]] = {}
 
     def home(self, name: str) -> GroupBelief:
         """The group of a continuous property, with its readings."""
@@ -82,9 +82,10 @@ class Trimmed:
         weights = self.categorical(self.ordered({*names, *(p for g in groups for p in g.group.parents)}))
         tables: list[Table] = []
         for home, group in zip(homes, groups, strict=True):
-            frame = group.sure_frame(*(m for m in members if self.belief.parts.home[m] == home))
+            own = tuple(m for m in members if self.belief.parts.home[m] == home)
+            frame = group.sure_frame(*own)
             weights = per_mass(weights, self.kept(group.mass(frame)))
-            tables += self._trimmed_factors(group, frame)
+            tables += self._trimmed(group, frame, own)
         return [weights, *tables]
 
     def beside(self, target: Target, channel: NumberChannel) -> Array:
@@ -106,13 +107,14 @@ class Trimmed:
         measured = channel.sensor.property
         first, last = self._panels(home, frame, measured)
         table = channel.table(home.chart(frame).meshes[measured])[first * ORDER : last * ORDER]
-        return (*self._trimmed_factors(home, frame), Table(table, (measured, OUTCOME)))
+        return (*self._trimmed(home, frame, frame.axes), Table(table, (measured, OUTCOME)))
 
-    def _trimmed_factors(self, group: GroupBelief, frame: Frame) -> tuple[Table, ...]:
-        if frame.axes not in self._factors:
+    def _trimmed(self, group: GroupBelief, frame: Frame, axes: Names) -> tuple[Table, ...]:
+        key = (frame.axes, axes)
+        if key not in self._factors:
             ranges = {name: self._panels(group, frame, name) for name in frame.axes}
-            self._factors[frame.axes] = tuple(self._cut(t, ranges) for t in group.factors(frame))
-        return self._factors[frame.axes]
+            self._factors[key] = tuple(self._cut(t, ranges) for t in group.reduced(frame, *axes))
+        return self._factors[key]
 
     def _cut(self, table: Table, ranges: dict[str, tuple[int, int]]) -> Table:
         index = tuple(

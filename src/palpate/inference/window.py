@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.inference.axes import ALONE
 from palpate.inference.mesh import WIDTH, Mesh
 from palpate.network.sensors import NormalNoise, NumberOutcome, NumberSensor
 from palpate.outcomes import Above, Reading
@@ -127,7 +128,7 @@ def resolve(prior: Mesh, window: Window, support: tuple[float, float], whole: bo
             edges[0] = max(edges[0], low)
         if not graded[-1]:
             edges[-1] = min(edges[-1], high)
-    return _cut(edges, graded, window, prior.origin)
+    return _cut(edges, graded, window, prior.origin, ALONE if whole else 1.0)
 
 
 def _extended(prior: Mesh, low: float, high: float) -> tuple[Array, NDArray[np.bool_]]:
@@ -139,11 +140,11 @@ def _extended(prior: Mesh, low: float, high: float) -> tuple[Array, NDArray[np.b
     return edges, graded
 
 
-def _cut(edges: Array, graded: NDArray[np.bool_], window: Window, origin: float) -> Mesh:
+def _cut(edges: Array, graded: NDArray[np.bool_], window: Window, origin: float, share: float) -> Mesh:
     scale = np.full(len(edges) - 1, np.inf)
     for low, high, fine in window.fine:
         inside = (edges[:-1] < high) & (edges[1:] > low)
-        scale = np.where(inside, np.minimum(scale, fine), scale)
+        scale = np.where(inside, np.minimum(scale, share * fine), scale)
     return cut(Mesh(edges, graded, origin), scale)
 
 
