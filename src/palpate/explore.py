@@ -192,7 +192,9 @@ def _decide(
         return None, reason
     if not gains:
         return None, "no action is left that the budget allows" if too_dear else "no action is left"
-    action = loop.policy.choose(Choice(state.belief, loop.objective, gains, loop.costs_s, loop.rng, state.taken))
+    action = loop.policy.choose(
+        Choice(state.belief, loop.objective, gains, loop.costs_s, loop.rng, state.taken, loop.repeat)
+    )
     if action is None:
         return None, "the policy has come to its end"
     if action not in gains:

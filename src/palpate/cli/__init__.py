@@ -42,9 +42,8 @@ def _run(arguments: list[str] | None) -> int:
     except PalpateError as error:
         return _refuse(str(error))
     except OSError as error:
-        if error.filename is None:
-            raise
-        return _refuse(f"{error.filename}: {error.strerror}")
+        # only what is printed goes to a file without a name
+        return _refuse(f"{error.filename or 'standard output'}: {error.strerror}")
 
 
 def _refuse(reason: str) -> int:

@@ -29,6 +29,8 @@ class Choice:
         Cost of every action of the repertoire [s].
     taken
         The actions taken so far, in order.
+    repeat
+        Whether an action may be taken again.
     """
 
     belief: Belief
@@ -37,6 +39,7 @@ class Choice:
     costs_s: Mapping[str, float]
     rng: np.random.Generator
     taken: Sequence[str] = field(default=())
+    repeat: bool = False
 
     @property
     def actions(self) -> tuple[str, ...]:
