@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from math import isfinite
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.errors import EvidenceError, choices
 from palpate.inference.belief import Belief
-from palpate.network.admission import Admitted, AdmittedOutcome, admit
-from palpate.outcomes import Failed, Outcome
+from palpate.loop import Loop, State, all_costs, decide, learn, offered
+from palpate.network.admission import AdmittedOutcome
+from palpate.outcomes import Outcome
 from palpate.robots.protocol import Robot
 from palpate.robots.trial import attempt
 from palpate.selection.objectives import Everything, Objective
-from palpate.selection.policies import Choice, Greedy, Policy
-from palpate.selection.stopping import GainBelow, Situation, StoppingRule
+from palpate.selection.policies import Greedy, Policy
+from palpate.selection.stopping import GainBelow, StoppingRule
 
 __all__ = ["Step", "explore"]
 
@@ -62,30 +61,6 @@ class Step:
     entropy_drop_bits: float | None = None
     surprise: float | None = None
     stop: str | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class _Loop:
-    """What stays the same while exploring."""
-
-    robot: Robot
-    objective: Objective
-    policy: Policy
-    stopping: StoppingRule
-    repeat: bool
-    rng: np.random.Generator
-    costs_s: Mapping[str, float]
-    timeout_s: float | None
-
-
-@dataclass(frozen=True, eq=False)
-class _State:
-    """What changes from step to step."""
-
-    belief: Belief
-    spent_s: float = 0.0
-    taken: tuple[str, ...] = ()
-    failed_since: frozenset[str] = field(default=frozenset())
 
 
 def explore(
@@ -136,24 +111,25 @@ def explore(
     EvidenceError
         An action of the robot or of `costs_s`, or a property of the objective, is unknown.
     """
-    loop = _Loop(
+    loop = Loop(
         robot,
         objective or Everything(),
         policy or Greedy(),
         stopping or GainBelow(),
         repeat,
         rng or np.random.default_rng(),
-        _costs(belief, costs_s or {}),
+        all_costs(belief, costs_s or {}),
         timeout_s,
     )
-    return _steps(loop, _State(belief))
+    return _steps(loop, State(belief))
 
 
-def _steps(loop: _Loop, state: _State) -> Iterator[Step]:
+def _steps(loop: Loop, state: State) -> Iterator[Step]:
     while True:
-        gains, too_dear = _options(loop, state)
+        affordable, too_dear = offered(loop, state)
+        gains = loop.objective.gains(state.belief, affordable) if affordable else {}
         index = len(state.taken) + 1
-        action, reason = _decide(loop, state, gains, too_dear)
+        action, reason = decide(loop, state, gains, too_dear)
         if action is None:
             yield Step(
                 index=index,
@@ -166,46 +142,14 @@ def _steps(loop: _Loop, state: _State) -> Iterator[Step]:
             return
         step = _take(loop, state, action, gains)
         yield step
-        state = _next(state, step)
+        assert step.outcome is not None
+        state = state.advanced(action, step.outcome, step.after, step.cost_s)
 
 
-def _options(loop: _Loop, state: _State) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Gains of the actions that can be taken, and the actions that only lack of budget forbids."""
-    network = state.belief.network
-    offered = {network.action(name).name for name in loop.robot.actions()}
-    barred = state.failed_since if loop.repeat else set(state.taken)
-    left = [name for name in network.actions if name in offered and name not in barred]
-    # A sum of costs that should meet the budget exactly may exceed it by rounding.
-    room = loop.stopping.budget_s - state.spent_s + 1e-9
-    affordable = [name for name in left if loop.costs_s[name] <= room]
-    gains = loop.objective.gains(state.belief, affordable) if affordable else {}
-    return gains, tuple(name for name in left if name not in gains)
-
-
-def _decide(
-    loop: _Loop, state: _State, gains: Mapping[str, float], too_dear: Sequence[str]
-) -> tuple[str | None, str | None]:
-    """Return the action to take, or None and why to stop."""
-    situation = Situation(state.belief, gains, loop.costs_s, state.spent_s, state.taken, too_dear)
-    reason = loop.stopping.reason(situation)
-    if reason is not None:
-        return None, reason
-    if not gains:
-        return None, "no action is left that the budget allows" if too_dear else "no action is left"
-    action = loop.policy.choose(
-        Choice(state.belief, loop.objective, gains, loop.costs_s, loop.rng, state.taken, loop.repeat)
-    )
-    if action is None:
-        return None, "the policy has come to its end"
-    if action not in gains:
-        raise EvidenceError(f"the policy chose action {action!r}: {choices(gains)}")
-    return action, None
-
-
-def _take(loop: _Loop, state: _State, action: str, gains: Mapping[str, float]) -> Step:
+def _take(loop: Loop, state: State, action: str, gains: Mapping[str, float]) -> Step:
     """Do the action and update the belief."""
     before = state.belief
-    outcome, admitted, after = _learn(before, action, attempt(loop.robot, action, loop.timeout_s))
+    outcome, admitted, after = learn(before, action, attempt(loop.robot, action, loop.timeout_s))
     return Step(
         index=len(state.taken) + 1,
         gains_bits=gains,
@@ -222,35 +166,3 @@ def _take(loop: _Loop, state: _State, action: str, gains: Mapping[str, float]) -
         entropy_drop_bits=loop.objective.entropy_drop(before, after),
         surprise=before.surprise(action, outcome),
     )
-
-
-def _learn(before: Belief, action: str, outcome: Outcome) -> tuple[Outcome, Admitted, Belief]:
-    """Update the belief; an outcome that the network cannot use counts as failed."""
-    try:
-        return outcome, admit(before.network, action, outcome), before.update(action, outcome)
-    except EvidenceError as error:
-        failed = Failed(f"not usable: {error}")
-        return failed, Admitted(failed), before.update(action, failed)
-
-
-def _next(state: _State, step: Step) -> _State:
-    assert step.action is not None
-    # An action that fails leaves the belief, and so its own gain, as they are: it would be chosen
-    # for ever if it did not have to wait.
-    failed = state.failed_since | {step.action} if isinstance(step.outcome, Failed) else frozenset()
-    return replace(
-        state,
-        belief=step.after,
-        spent_s=step.total_cost_s,
-        taken=(*state.taken, step.action),
-        failed_since=failed,
-    )
-
-
-def _costs(belief: Belief, given: Mapping[str, float]) -> dict[str, float]:
-    """Costs of all actions [s], those of the network unless given."""
-    for name, cost_s in given.items():
-        belief.network.action(name)
-        if not (isfinite(cost_s) and cost_s >= 0):
-            raise EvidenceError(f"cost of action {name!r} {cost_s!r} was found, expected seconds, zero or above")
-    return {name: given.get(name, action.cost_s) for name, action in belief.network.actions.items()}

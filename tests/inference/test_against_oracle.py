@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from palpate.inference.exact import ExactBelief
 from palpate.inference.marginals import ContinuousMarginal
 from palpate.network.model import Network
 from palpate.network.reading import load_network
-
 from tests.oracle.bridge import believe, outcome
 from tests.oracle.brute_force import realised_gain
 from tests.oracle.networks import household_oracle
@@ -117,14 +117,18 @@ def test_log_evidence(answers: Answers) -> None:
 def test_surprises_and_predictives(answers: Answers) -> None:
     """Surprise and log2 predictive of every item, in the order of the list, agree with brute force."""
     for i, _, found in answers:
-        belief, logs = ExactBelief(household()), [s["log2_before"] for s in found["steps"]] + [found["log_evidence_bits"]]
+        belief, logs = (
+            ExactBelief(household()),
+            [s["log2_before"] for s in found["steps"]] + [found["log_evidence_bits"]],
+        )
         for k, (item, step) in enumerate(zip(found["evidence"], found["steps"], strict=True)):
             surprise = belief.surprise(item["action"], outcome(item))
             if step["surprise"] is None:
                 assert surprise is None, told(i)
             else:
                 low, high = step["surprise"]
-                assert surprise is not None and low - 2e-4 <= surprise <= high + 2e-4, f"{k}: {surprise}, {told(i)}"
+                assert surprise is not None, told(i)
+                assert low - 2e-4 <= surprise <= high + 2e-4, f"{k}: {surprise}, {told(i)}"
             predicted = belief.log2_predictive(item["action"], outcome(item))
             assert abs(predicted - (logs[k + 1] - logs[k])) < 2e-3, f"{k}: {predicted}, {told(i)}"
             belief = belief.update(item["action"], outcome(item))
@@ -156,6 +160,7 @@ def test_realised_gain(items: list[dict[str, Any]], item: dict[str, Any]) -> Non
     oracle = household_oracle(household())
     before = believe(household(), items)
     after = before.update(item["action"], outcome(item))
-    for name in (*household().properties, ("category", "material")):
+    wanted: list[str | tuple[str, ...]] = [*household().properties, ("category", "material")]
+    for name in wanted:
         expected = realised_gain(oracle, items, item, name)
         assert before.realised_gain(after, name) == pytest.approx(expected, abs=1e-3), name

@@ -12,6 +12,8 @@ from functools import cache
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy import stats
+
 from palpate.inference.exact import ExactBelief
 from palpate.inference.marginals import ContinuousMarginal
 from palpate.network.families import Normal
@@ -20,8 +22,6 @@ from palpate.network.properties import CategoricalProperty, ContinuousProperty
 from palpate.network.reading import load_network
 from palpate.network.sensors import ConfusionSensor
 from palpate.outcomes import Above, Label, Outcome, Reading
-from scipy import stats
-
 from tests.oracle.brute_force import Oracle
 from tests.oracle.networks import cube, singles, stack
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+
 from palpate.errors import ImpossibleEvidenceError
 from palpate.inference.exact import ExactBelief
 from palpate.inference.marginals import ContinuousMarginal
@@ -50,7 +51,9 @@ def vectors(action: str) -> st.SearchStrategy[Seen]:
 
 squeezes = st.one_of(st.floats(-20, 95).map(lambda y: ("squeezing", Reading(y))), st.just(("squeezing", Above(95.0))))
 weighings = st.one_of(st.floats(-10, 3000), st.floats(0, 200)).map(lambda y: ("weighing", Reading(y)))
-categorical = st.one_of(*map(labels, ("cat-vision", "mat-vision", "mat-sound")), vectors("cat-vision"), vectors("mat-sound"))
+categorical = st.one_of(
+    *map(labels, ("cat-vision", "mat-vision", "mat-sound")), vectors("cat-vision"), vectors("mat-sound")
+)
 observations: st.SearchStrategy[Seen] = st.one_of(categorical, squeezes, weighings)
 evidence = st.lists(observations, max_size=5)
 
@@ -93,7 +96,10 @@ def test_uniform_likelihood_changes_nothing(seen: list[Seen], action: str, level
     before = believe(seen)
     prop = household().properties[household().actions[action].sensor.property]
     assert isinstance(prop, CategoricalProperty)
-    for after in (before.update(action, Likelihood(dict.fromkeys(prop.states, level))), before.update(action, Failed())):
+    for after in (
+        before.update(action, Likelihood(dict.fromkeys(prop.states, level))),
+        before.update(action, Failed()),
+    ):
         difference = after.probabilities("category", "material") - before.probabilities("category", "material")
         assert np.abs(difference).max() < 1e-12
         assert number(after, "mass").mean == pytest.approx(number(before, "mass").mean, rel=1e-12)
@@ -164,7 +170,9 @@ SUBSETS = [
 @settings(max_examples=25, deadline=None)
 def test_gains_are_ordered(seen: list[Seen]) -> None:
     """Gains are never negative, grow with the objective, and everything tells what the parent tells."""
-    gains = believe(seen).expected_gains([*household().properties, "everything", *(b for _, b in SUBSETS), ("category",)])
+    gains = believe(seen).expected_gains(
+        [*household().properties, "everything", *(b for _, b in SUBSETS), ("category",)]
+    )
     for action, told in gains.items():
         bits = {k: v for k, v in told.items() if v is not None}
         assert len(bits) == len(told)
@@ -198,7 +206,9 @@ def test_chain_rule(seen: list[Seen], action: str) -> None:
     for state, p in zip(prop.states, belief.probabilities("category"), strict=True):
         if p > 1e-12:
             known = Likelihood({s: float(s == state) for s in prop.states})
-            conditional += p * (belief.update("cat-vision", known).expected_gains(["material"], [action])[action]["material"] or 0.0)
+            conditional += p * (
+                belief.update("cat-vision", known).expected_gains(["material"], [action])[action]["material"] or 0.0
+            )
     joint = told["category", "material"]
     assert joint == pytest.approx((told["category"] or 0.0) + conditional, abs=1e-6)
 
@@ -211,7 +221,9 @@ MEANS: list[tuple[list[Seen], str]] = [
 ]
 
 
-def draw(prediction: LabelPrediction | NumberPrediction, belief: ExactBelief, action: str, rng: np.random.Generator) -> Outcome:
+def draw(
+    prediction: LabelPrediction | NumberPrediction, belief: ExactBelief, action: str, rng: np.random.Generator
+) -> Outcome:
     """An outcome from the belief: an object drawn from it, and the sensor's noise added here."""
     if isinstance(prediction, LabelPrediction):
         return Label(str(rng.choice(prediction.outcomes, p=prediction.probabilities / prediction.probabilities.sum())))

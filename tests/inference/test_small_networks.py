@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from palpate.inference.exact import ExactBelief
 from palpate.inference.marginals import ContinuousMarginal
 from palpate.network.properties import CategoricalProperty
-
 from tests.oracle.bridge import believe, outcome
 from tests.oracle.brute_force import Oracle, realised_gain
 from tests.oracle.networks import cube, singles, stack
@@ -38,7 +38,10 @@ CASES: list[tuple[Callable[[], Oracle], Items]] = [
     (singles, []),
     (singles, _items(("float", "below", 5.0), ("sight", "label", "b"))),
     (singles, _items(("float", "above", 90.0), ("float", "value", 85.0))),
-    (singles, _items(("probe", "value", 8.0), ("probe", "value", -2.0), ("sight", "label", "a"), ("sight", "label", "a"))),
+    (
+        singles,
+        _items(("probe", "value", 8.0), ("probe", "value", -2.0), ("sight", "label", "a"), ("sight", "label", "a")),
+    ),
     (singles, _items(("feeler", "value", 4.8), ("feeler", "value", 4.6), ("feeler", "above", 5.0))),
     (singles, _items(("feeler", "value", -1.0), ("probe", "value", 50.0))),
 ]

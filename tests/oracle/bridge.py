@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from palpate.inference.exact import ExactBelief
 from palpate.network.model import Network
 from palpate.outcomes import Above, Below, Failed, Label, Likelihood, Outcome, Posterior, Reading
-
 from tests.oracle.evidence import Item
 
 

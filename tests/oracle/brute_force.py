@@ -11,10 +11,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+
 from palpate.network.model import Network
 from palpate.network.properties import CategoricalProperty, ContinuousProperty
 from palpate.network.sensors import ConfusionSensor, NumberSensor
-
 from tests.oracle import densities, evidence
 from tests.oracle.evidence import Item
 from tests.oracle.grids import Grid, near, walk
@@ -23,6 +23,8 @@ from tests.oracle.information import divergence, entropy, mutual_information
 from tests.oracle.sensing import Outcomes, log_likelihood, outcomes
 
 Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+Function = Callable[[Array], Array]
 EVERYTHING = "everything"
 TRIM = 1e-12  # share of the mass below which an end panel of a pair's grid is cut off
 
@@ -43,16 +45,18 @@ class Oracle:
 
     network: Network
     links: Sequence[Link] = ()
-    functions: Mapping[str, tuple[str, Callable[[Array], Array], Callable[[Array], Array]]] = field(default_factory=dict)
+    functions: Mapping[str, tuple[str, Callable[[Array], Array], Callable[[Array], Array]]] = field(
+        default_factory=dict
+    )
     refine: float = 1.0
 
     @cached_property
-    def states(self) -> Array:
+    def states(self) -> Index:
         """State index of each categorical property in each joint state, [J, properties]."""
         sizes = [len(p.states) for p in self.network.categorical]
         return np.array(list(np.ndindex(*sizes)), dtype=int).reshape(-1, len(sizes))
 
-    def column(self, name: str) -> Array:
+    def column(self, name: str) -> Index:
         """State index of one categorical property in each joint state [J]."""
         return self.states[:, [p.name for p in self.network.categorical].index(name)]
 
@@ -65,7 +69,7 @@ class Oracle:
                 total += np.log(p.table[(*(self.column(q) for q in p.parents), self.column(p.name))])
         return total
 
-    def index(self, prop: ContinuousProperty) -> Array:
+    def index(self, prop: ContinuousProperty) -> Index:
         """Flat configuration index of a continuous property in each joint state [J]."""
         flat = np.zeros(len(self.states), dtype=int)
         for parent in prop.parents:
@@ -170,32 +174,48 @@ class Oracle:
         widths = [s.sd if s.sd else np.inf for _, s in self._sensors(base) if s.property == base]
         return 3.5 * min([np.inf, *widths]) if gains else np.inf
 
-    def _pair(self, link: Link, items: Sequence[Item], gains: bool, features: Sequence[Item], log_p: Array) -> Integrated:
+    def _pair(
+        self, link: Link, items: Sequence[Item], gains: bool, features: Sequence[Item], log_p: Array
+    ) -> Integrated:
         props = (self._continuous(link.first), self._continuous(link.second))
-        grids = tuple(base_grid(p, link.log, self.refine, self._features(p.name, features or items), np.inf) for p in props)
-        log_ls = (self._log_l(props[0].name, items), self._log_l(props[1].name, items), self._log_l(link.derived, items))
+        one, two = (
+            base_grid(p, link.log, self.refine, self._features(p.name, features or items), np.inf) for p in props
+        )
+        log_ls = (
+            self._log_l(props[0].name, items),
+            self._log_l(props[1].name, items),
+            self._log_l(link.derived, items),
+        )
         index = (self.index(props[0]), self.index(props[1]))
         wanted = self._features(link.derived, features or items)
-        low, high = (float(link.forward(grids[0].edges[i], grids[1].edges[i])) for i in (0, -1))
+        low, high = (float(link.forward(one.edges[i], two.edges[i])) for i in (0, -1))
         low = max(low, 1e-14 * high) if link.log else low
 
         def derived(ends: tuple[float, float], finest: float, refine: float) -> Grid:
             def step(x: float) -> float:
-                plain = x * (0.1 if x > 1e-4 * high else 0.15 if x > 1e-8 * high else 0.4) if link.log else (high - low) / 300
+                plain = (
+                    x * (0.1 if x > 1e-4 * high else 0.15 if x > 1e-8 * high else 0.4)
+                    if link.log
+                    else (high - low) / 300
+                )
                 return refine * min([finest, plain, *(near(f.centre, f.width)(x) for f in wanted)])
 
             return walk(*ends, step, link.log)
 
         def at(first: Grid, second: Grid, third: Grid, check: Array | None = log_p) -> Integrated:
-            return pair(props, index, link, log_ls, (first, second, third), check)
+            return pair(props, index, link, (log_a, log_b, log_d), (first, second, third), check)
 
         if features or not gains:
-            return at(*grids, derived((low, high), np.inf, self.refine))
+            return at(one, two, derived((low, high), np.inf, self.refine))
         # Keep the part that holds the mass, and resolve the noise of later readings there.
-        rough = at(*grids, derived((low, high), np.inf, 2.0), check=None)
+        rough = at(one, two, derived((low, high), np.inf, 2.0), check=None)
         weights = np.exp(log_p + rough.log_z - np.max(log_p + rough.log_z))[:, None]
-        first, second, third = (on.kept(np.nan_to_num(weights * t).sum(axis=0), TRIM) for on, t in rough.tables.values())
-        return at(first, second, derived((third.edges[0], third.edges[-1]), self._finest(link.derived, True), self.refine))
+        first, second, third = (
+            on.kept(np.nan_to_num(weights * t).sum(axis=0), TRIM) for on, t in rough.tables.values()
+        )
+        return at(
+            first, second, derived((third.edges[0], third.edges[-1]), self._finest(link.derived, True), self.refine)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,7 +238,7 @@ class Posterior:
         """log2 of the density of all the evidence together."""
         return float((np.log(np.exp(self.log_p - self.log_p.max()).sum()) + self.log_p.max()) / np.log(2))
 
-    def _labels(self, names: Sequence[str]) -> tuple[Array, tuple[int, ...]]:
+    def _labels(self, names: Sequence[str]) -> tuple[Index, tuple[int, ...]]:
         sizes = tuple(len(self.oracle._categorical(n).states) for n in names)
         flat = np.zeros(len(self.p), dtype=int)
         for name, size in zip(names, sizes, strict=True):
@@ -228,7 +248,7 @@ class Posterior:
     def probabilities(self, *names: str) -> Array:
         """Joint table of categorical properties."""
         flat, sizes = self._labels(names)
-        return np.bincount(flat, self.p, int(np.prod(sizes))).reshape(sizes)
+        return np.asarray(np.bincount(flat, self.p, int(np.prod(sizes))), float).reshape(sizes)
 
     def _group(self, base: str) -> Integrated:
         return next(g for g in self.groups if base in g.tables)
@@ -263,7 +283,7 @@ class Posterior:
             slope = (self.oracle.value(name, on.x + h) - self.oracle.value(name, on.x - h)) / (2 * h)
         return float(-(mass[keep] * np.log2(mass[keep] / on.w[keep] / slope[keep])).sum())
 
-    def _next(self, action: str, sd: float | None = None, y: Array | None = None) -> Outcomes:
+    def _next(self, action: str, sd: float | None = None, y: float | None = None) -> Outcomes:
         sensor = self.oracle.network.actions[action].sensor
         assert isinstance(sensor, NumberSensor)
         on, masses = self.masses(sensor.property)
@@ -276,7 +296,7 @@ class Posterior:
         sensor = self.oracle.network.actions[action].sensor
         assert isinstance(sensor, ConfusionSensor)
         labels = [i["label"] for i in self.items if i["action"] == action and "label" in i]
-        return evidence.next_look(sensor, labels).T[self.oracle.column(sensor.property)]
+        return np.asarray(evidence.next_look(sensor, labels).T)[self.oracle.column(sensor.property)]
 
     @cached_property
     def _kernels(self) -> dict[str, tuple[Array, Array]]:
@@ -332,9 +352,10 @@ class Posterior:
         if isinstance(sensor, ConfusionSensor):
             predicted = self.p @ self._label_table(item["action"])
             seen = predicted[sensor.outcomes.index(item["label"])]
-            return tuple(float(predicted[predicted <= seen * (1 + tie)].sum()) for tie in (-1e-7, 1e-7))  # type: ignore[return-value]
+            low, high = (float(predicted[predicted <= seen * (1 + tie)].sum()) for tie in (-1e-7, 1e-7))
+            return low, high
         bound = float(item.get("value", item.get("above", item.get("below", 0.0))))
-        below, above = self._next(item["action"], item.get("sd"), np.array([bound])).tails
+        below, above = self._next(item["action"], item.get("sd"), bound).tails
         if "above" in item:
             below = 1.0
         if "below" in item:

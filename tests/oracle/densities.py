@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import stats
+
 from palpate.network.families import Family, Gamma, LogNormal, Normal, StudentT, Uniform
 from palpate.network.sensors import NumberSensor, StudentTNoise
-from scipy import stats
 
 Array = NDArray[np.float64]
 Density = Callable[[Array], Array]
@@ -32,7 +33,8 @@ def _frozen(family: Family, index: int) -> Any:
 def prior(family: Family, index: int) -> Density:
     """Log density of the family's member with this flat configuration index."""
     if not isinstance(family, Normal):
-        return _frozen(family, index).logpdf  # type-checked by its use
+        frozen = _frozen(family, index)
+        return lambda x: np.asarray(frozen.logpdf(x))
     mean, sd, low, high = (float(np.ravel(p)[index]) for p in (family.mean, family.sd, family.low, family.high))
     if low > mean:  # the mass from the side where it does not cancel
         mass = stats.norm.sf(low, mean, sd) - stats.norm.sf(high, mean, sd)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
 from palpate.network.sensors import ConfusionSensor
 
 Array = NDArray[np.float64]
@@ -22,7 +23,7 @@ def vector(item: Item, states: Sequence[str]) -> Array | None:
     """The likelihood of a vector item, scaled to maximum one; None for other items."""
     if "likelihood" in item:
         values = np.array([float(item["likelihood"][state]) for state in states])
-        return values / values.max()
+        return np.asarray(values / values.max())
     if "posterior" not in item:
         return None
     given = item["posterior"]
@@ -35,7 +36,7 @@ def vector(item: Item, states: Sequence[str]) -> Array | None:
     p = p / p.sum()
     if item.get("training_prior"):
         p = p / np.array([float(item["training_prior"][state]) for state in states])
-    return np.maximum(p / p.max(), 1e-3)
+    return np.asarray(np.maximum(p / p.max(), 1e-3))
 
 
 def looks(sensor: ConfusionSensor, labels: Sequence[str]) -> Array:

@@ -37,7 +37,6 @@ class Grid:
             return float(left * (right / left) ** ((at + 1) / 2))
         return float(left + (right - left) * (at + 1) / 2)
 
-
     def kept(self, mass: Array, share: float) -> Grid:
         """The panels from the first to the last that hold more than a share of the mass."""
         per_panel = np.nan_to_num(mass).reshape(-1, NODES.size).sum(axis=1)

@@ -9,17 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
 from palpate.network.families import Gamma, LogNormal, Normal, StudentT, Uniform
 from palpate.network.properties import ContinuousProperty
-
 from tests.oracle import densities
-from tests.oracle.grids import Grid, Step, grid, near, walk
+from tests.oracle.grids import Grid, grid, near, walk
 
 Array = NDArray[np.float64]
+Index = NDArray[np.intp]
 LogLikelihood = Callable[[Array], Array]
 
 
@@ -115,7 +117,7 @@ def base_grid(prop: ContinuousProperty, log: bool, refine: float, features: Sequ
 
     inner = sorted({v for v in jumps if low < v < high})
     ends = [low, *inner, high]
-    parts = [walk(a, b, step, log).edges for a, b in zip(ends, ends[1:], strict=False)]
+    parts = [walk(a, b, step, log).edges for a, b in pairwise(ends)]
     return grid(np.concatenate([parts[0], *(part[1:] for part in parts[1:])]), log)
 
 
@@ -140,7 +142,7 @@ def _no_cross(z: str, x: str, weights: Array) -> Array:
     raise NotImplementedError(f"the oracle has no joint table of {z} and {x}")
 
 
-def single(prop: ContinuousProperty, index: Array, log_l: LogLikelihood, on: Grid) -> Integrated:
+def single(prop: ContinuousProperty, index: Index, log_l: LogLikelihood, on: Grid) -> Integrated:
     """One property; index [J] is its configuration in each joint state."""
     rows = []
     for config in range(int(index.max()) + 1):
@@ -165,7 +167,9 @@ class _Side:
     log_scale: Array  # (configs of one, configs of the other)
 
 
-def _side(props: tuple[ContinuousProperty, ContinuousProperty], on: tuple[Grid, Grid], solve: Any, log_ls: Any) -> _Side:
+def _side(
+    props: tuple[ContinuousProperty, ContinuousProperty], on: tuple[Grid, Grid], solve: Any, log_ls: Any
+) -> _Side:
     """`props` (one, other), `on` grids of (one, derived), `log_ls` of (one, other, derived)."""
     one, other = props
     log_one, log_other, log_derived = log_ls
@@ -173,7 +177,9 @@ def _side(props: tuple[ContinuousProperty, ContinuousProperty], on: tuple[Grid, 
     own += np.log(on[0].w)
     own_peak = own.max(axis=1)
     partner, slope = solve(on[0].x[:, None], on[1].x[None, :])
-    shared = log_other(partner.ravel()).reshape(partner.shape) + np.log(slope) + (log_derived(on[1].x) + np.log(on[1].w))
+    shared = (
+        log_other(partner.ravel()).reshape(partner.shape) + np.log(slope) + (log_derived(on[1].x) + np.log(on[1].w))
+    )
     slabs, peaks = [], []
     for config in range(_configs(other)):
         slab = densities.prior(other.family, config)(partner) + shared
@@ -190,7 +196,7 @@ def _configs(prop: ContinuousProperty) -> int:
 
 def pair(
     props: tuple[ContinuousProperty, ContinuousProperty],
-    index: tuple[Array, Array],
+    index: tuple[Index, Index],
     link: Link,
     log_ls: tuple[LogLikelihood, LogLikelihood, LogLikelihood],
     on: tuple[Grid, Grid, Grid],
@@ -226,7 +232,7 @@ def pair(
     return Integrated(log_z, tables, cross)
 
 
-def _tables(side: _Side, mine: Array, others: Array) -> tuple[Array, Array, Array]:
+def _tables(side: _Side, mine: Index, others: Index) -> tuple[Array, Array, Array]:
     ones, deriveds, zs = [], [], []
     for slab in side.slabs:
         ones.append(side.own * slab.sum(axis=1))
@@ -241,7 +247,7 @@ def _tables(side: _Side, mine: Array, others: Array) -> tuple[Array, Array, Arra
     return one[others, mine] / scale, derived[others, mine] / scale, log_z[mine, others]
 
 
-def _joint(side: _Side, mine: Array, others: Array, log_z: Array, weights: Array) -> Array:
+def _joint(side: _Side, mine: Index, others: Index, log_z: Array, weights: Array) -> Array:
     share = np.zeros((len(side.own), len(side.slabs)))
     on = weights > 0
     np.add.at(share, (mine[on], others[on]), weights[on] * np.exp(side.log_scale[mine[on], others[on]] - log_z[on]))

@@ -20,11 +20,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from palpate.network.model import Network
 from palpate.network.properties import CategoricalProperty
 from palpate.network.reading import load_network
 from palpate.network.sensors import ConfusionSensor
-
 from tests.oracle.brute_force import Oracle
 from tests.oracle.networks import household_oracle
 
@@ -35,6 +35,7 @@ OBJECTIVES: tuple[str | tuple[str, ...], ...] = (
     ("category", "elasticity"),
 )
 QUANTILES = (0.05, 0.5, 0.95)
+CERAMIC, MUG = {"action": "mat-sound", "label": "ceramic"}, {"action": "cat-vision", "label": "mug"}
 EXTREMES: tuple[list[dict[str, Any]], ...] = (
     [],
     [{"action": "weighing", "value": 5.0}],
@@ -44,7 +45,11 @@ EXTREMES: tuple[list[dict[str, Any]], ...] = (
     [{"action": "weighing", "value": 2500.0, "sd": 0.5}],
     [{"action": "weighing", "value": 2500.0, "sd": 50.0}],
     [{"action": "mat-vision", "label": "ceramic"}, {"action": "squeezing", "value": 0.0}],
-    [{"action": "mat-sound", "label": "ceramic"}, {"action": "squeezing", "value": 0.0}, {"action": "weighing", "value": 5.0}],
+    [
+        {"action": "mat-sound", "label": "ceramic"},
+        {"action": "squeezing", "value": 0.0},
+        {"action": "weighing", "value": 5.0},
+    ],
     [{"action": "squeezing", "above": 95.0}] * 4,
     [{"action": "squeezing", "above": 95.0}, {"action": "squeezing", "value": 3.0}],
     [{"action": "squeezing", "value": 40.0, "sd": 0.5}, {"action": "squeezing", "above": 95.0}],
@@ -54,7 +59,11 @@ EXTREMES: tuple[list[dict[str, Any]], ...] = (
     [{"action": "mat-sound", "label": "foam"}, {"action": "weighing", "value": 2500.0}],
     [{"action": "cat-vision", "label": "dice"}, {"action": "weighing", "value": 2500.0}],
     [{"action": "mat-vision", "label": "metal"}, {"action": "mat-vision", "label": "foam"}],
-    [{"action": "cat-vision", "label": "mug"}, {"action": "cat-vision", "label": "fruit"}, {"action": "weighing", "value": 66.0}],
+    [
+        {"action": "cat-vision", "label": "mug"},
+        {"action": "cat-vision", "label": "fruit"},
+        {"action": "weighing", "value": 66.0},
+    ],
     [{"action": "weighing", "above": 800.0}, {"action": "weighing", "below": 900.0}],
     [{"action": "weighing", "below": 1.0, "sd": 0.5}, {"action": "squeezing", "below": 5.0}],
     [{"action": "squeezing", "failed": True}, {"action": "weighing", "value": 118.0}],

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
 from palpate.network.families import Family, Gamma, LogNormal, Normal, StudentT, Uniform
 from palpate.network.formula import Formula
 from palpate.network.model import Action, Network
 from palpate.network.properties import CategoricalProperty, ContinuousProperty, DerivedProperty, Property
 from palpate.network.sensors import ConfusionSensor, NumberSensor, Sensor, StudentTNoise
-
 from tests.oracle.brute_force import Oracle
 from tests.oracle.groups import product, total
 
@@ -39,11 +39,17 @@ def network(name: str, properties: Sequence[Property], sensors: Mapping[str, Sen
 def cube() -> Oracle:
     """Two and three categorical parents, lognormal, a derived cube of one property, relative noise, repeats."""
     given_b = np.array([[[0.7, 0.3], [0.2, 0.8], [0.5, 0.5]], [[0.9, 0.1], [0.4, 0.6], [0.05, 0.95]]])
+    sides = LogNormal(np.array([[3.0, 4.0], [6.0, 5.0]]), np.array([[0.2, 0.3], [0.1, 0.4]]))
     properties: list[Property] = [
         CategoricalProperty("kind", ("a", "b"), (), np.array([0.35, 0.65])),
         CategoricalProperty("make", ("x", "y", "z"), ("kind",), np.array([[0.5, 0.3, 0.2], [0.1, 0.2, 0.7]])),
         CategoricalProperty("finish", ("matt", "gloss"), ("kind", "make"), given_b),
-        ContinuousProperty("side", "cm", ("kind", "finish"), LogNormal(np.array([[3.0, 4.0], [6.0, 5.0]]), np.array([[0.2, 0.3], [0.1, 0.4]]))),
+        ContinuousProperty(
+            "side",
+            "cm",
+            ("kind", "finish"),
+            sides,
+        ),
         ContinuousProperty("heat", "K", ("make",), Gamma(np.array([2.0, 5.0, 9.0]), np.array([4.0, 3.0, 1.0]))),
         DerivedProperty("bulk", "cm**3", Formula.parse("side ** 3")),
     ]
@@ -67,8 +73,11 @@ def stack() -> Oracle:
         ContinuousProperty("upper", "cm", ("right",), Gamma(np.array([4.0, 9.0]), np.array([1.0, 0.8]))),
         DerivedProperty("height", "cm", Formula.parse("lower + upper")),
     ]
+    glance = np.array([[0.8, 0.2, 0.1], [0.1, 0.6, 0.3], [0.1, 0.2, 0.6]])
     sensors: dict[str, Sensor] = {
-        "glance": ConfusionSensor("left", ("p", "q", "r"), np.array([[0.8, 0.2, 0.1], [0.1, 0.6, 0.3], [0.1, 0.2, 0.6]])),
+        "glance": ConfusionSensor(
+            "left", ("p", "q", "r"), np.array([[0.8, 0.2, 0.1], [0.1, 0.6, 0.3], [0.1, 0.2, 0.6]])
+        ),
         "rod": NumberSensor("height", 0.8, offset_sd=0.5),
         "laser": NumberSensor("height", 0.6, noise=StudentTNoise(4.0)),
         "gauge": NumberSensor("lower", 1.0, low=5.0),

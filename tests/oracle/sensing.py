@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from palpate.network.sensors import NumberSensor, StudentTNoise
 
+from palpate.network.sensors import NumberSensor, StudentTNoise
 from tests.oracle import densities
 from tests.oracle.evidence import Item
 from tests.oracle.grids import walk
@@ -51,26 +51,34 @@ class Outcomes:
 
 
 def outcomes(
-    sensor: NumberSensor, items: Sequence[Item], x: Array, mass: Array, refine: float, sd: float | None, at: Array | None
+    sensor: NumberSensor,
+    items: Sequence[Item],
+    x: Array,
+    mass: Array,
+    refine: float,
+    sd: float | None,
+    at: float | None,
 ) -> Outcomes:
     """The next reading's distribution for true values x with posterior mass `mass`."""
     offsets, log_w = _offsets(sensor, items, x)
     weight = np.exp(log_w - log_w.max(axis=1, keepdims=True))
     weight /= weight.sum(axis=1, keepdims=True)
     scales = densities.scale(sensor, x, sd)
+
+    def tail(bound: float, above: bool) -> Array:
+        each = densities.tail(sensor, bound, x[:, None] + offsets, scales[:, None], above)
+        return np.asarray((weight * each).sum(axis=1))
+
     if at is not None:
         share = mass / mass.sum()
-        both = [sum(weight[:, o] * densities.tail(sensor, float(at[0]), x + c, scales, up) for o, c in enumerate(offsets)) for up in (False, True)]
-        return Outcomes(np.empty((0, 0)), (float(share @ both[0]), float(share @ both[1])))
+        return Outcomes(np.empty((0, 0)), (float(share @ tail(at, False)), float(share @ tail(at, True))))
     y, w = _reading_grid(sensor, x, mass, scales, refine)
     kernel = np.zeros((x.size, y.size))
-    atoms = []
     for o, shift in enumerate(offsets):
         centre = (x + shift)[:, None]
         kernel += weight[:, o, None] * densities.density(sensor, y, centre, scales[:, None]) * w
-    for bound, up in ((sensor.low, False), (sensor.high, True)):
-        if np.isfinite(bound):
-            atoms.append(sum(weight[:, o] * densities.tail(sensor, bound, x + c, scales, up) for o, c in enumerate(offsets)))
+    ends = ((sensor.low, False), (sensor.high, True))
+    atoms = [tail(bound, above) for bound, above in ends if np.isfinite(bound)]
     return Outcomes(np.column_stack([kernel, *atoms]), (np.nan, np.nan))
 
 

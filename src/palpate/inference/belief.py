@@ -46,7 +46,7 @@ class Belief(Protocol):
     def evidence(self) -> tuple[Observation, ...]:
         """All outcomes so far, failed ones too."""
 
-    def update(self, action: str, outcome: Outcome) -> Self:
+    def update(self, action: str, outcome: Outcome | AdmittedOutcome) -> Self:
         """The belief after one more outcome."""
 
     def probabilities(self, *properties: str) -> NDArray[np.float64]:
@@ -64,10 +64,10 @@ class Belief(Protocol):
     def predict(self, action: str, sd: float | None = None) -> LabelPrediction | NumberPrediction:
         """The distribution of an action's outcome before it is taken."""
 
-    def log2_predictive(self, action: str, outcome: Outcome) -> float | None:
+    def log2_predictive(self, action: str, outcome: Outcome | AdmittedOutcome) -> float | None:
         """log2 of the probability, or density per unit of the property, of an outcome before it is used."""
 
-    def surprise(self, action: str, outcome: Outcome) -> float | None:
+    def surprise(self, action: str, outcome: Outcome | AdmittedOutcome) -> float | None:
         """Predictive probability of an outcome at least as unlikely as this one; None for vectors and failures."""
 
     def sample(self, n: int, rng: np.random.Generator) -> Mapping[str, NDArray[np.float64] | NDArray[np.str_]]:

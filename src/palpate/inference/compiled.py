@@ -53,9 +53,12 @@ class Compiled:
 
     def along(self, table: Table) -> Array:
         """The values of a table over categorical properties, shaped to broadcast over the joint table."""
+        if table.names == self.axes:
+            return table.values
         order = sorted(range(len(table.names)), key=lambda i: self.axes.index(table.names[i]))
-        shape = iter(table.values.transpose(order).shape)
-        return table.values.transpose(order).reshape([next(shape) if n in table.names else 1 for n in self.axes])
+        values = table.values.transpose(order)
+        shape = iter(values.shape)
+        return values.reshape([next(shape) if n in table.names else 1 for n in self.axes])
 
 
 _KNOWN: WeakKeyDictionary[Network, Compiled] = WeakKeyDictionary()

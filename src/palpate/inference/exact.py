@@ -23,7 +23,7 @@ from palpate.inference.sampling import sample
 from palpate.inference.tensors import Table, contract
 from palpate.inference.trim import per_mass
 from palpate.inference.window import Readings
-from palpate.network.admission import StateLikelihood, admit
+from palpate.network.admission import AdmittedOutcome, StateLikelihood, admit
 from palpate.network.model import Network
 from palpate.network.properties import CategoricalProperty
 from palpate.network.sensors import ConfusionSensor, NumberOutcome
@@ -56,41 +56,36 @@ class ExactBelief:
 
     def __init__(self, network: Network) -> None:
         parts = compiled(network)
-        self._fill(network, (), {}, parts.priors)
+        self._fill(network, parts, (), {}, parts.priors, parts.log_prior)
 
     def _fill(
         self,
         network: Network,
+        parts: Compiled,
         evidence: tuple[Observation, ...],
         factors: Mapping[str, Array],
         groups: tuple[GroupBelief, ...],
+        log_joint: Array,
     ) -> None:
         self.network = network
+        self.parts = parts
         self.evidence = evidence
-        self._factors = factors  # action -> likelihood of its labels and vectors over its property's states
         self.groups = groups
-        self.parts: Compiled = compiled(network)
-        log_joint = self.parts.log_prior
-        with np.errstate(divide="ignore"):
-            for action, factor in factors.items():
-                measured = network.actions[action].sensor.property
-                log_joint = log_joint + self.parts.along(Table(np.log(factor), (measured,)))
-        for group in groups:
-            if group.touched:
-                log_joint = log_joint + self.parts.along(group.log_evidence)
+        self._factors = factors  # action -> likelihood of its labels and vectors over its property's states
+        self._log_joint = log_joint  # of the categorical properties and all evidence [nats]
         peak = float(log_joint.max())
         if peak == -np.inf:
             raise _impossible(evidence[-1], len(evidence))
         joint = np.exp(log_joint - peak)
         total = float(joint.sum())
         self.log_evidence = peak + float(np.log(total))
-        self.joint = Table(joint / total, self.parts.axes)
+        self.joint = Table(joint / total, parts.axes)
         self._joints: dict[tuple[str, ...], Table] = {}
         self._axis_masses: dict[tuple[tuple[str, ...], str], Array] = {}
 
     # -- evidence ---------------------------------------------------------------------------
 
-    def update(self, action: str, outcome: Outcome) -> Self:
+    def update(self, action: str, outcome: Outcome | AdmittedOutcome) -> Self:
         """The belief after one more outcome.
 
         Raises
@@ -102,15 +97,37 @@ class ExactBelief:
         """
         admitted = admit(self.network, action, outcome).outcome
         evidence = (*self.evidence, Observation(action, admitted))
-        factors, groups = self._factors, self.groups
-        if not isinstance(admitted, Failed):
-            if isinstance(admitted, Label | StateLikelihood):
-                factors = {**factors, action: self._factor(action, evidence)}
+        factors, groups, log_joint = self._factors, self.groups, self._log_joint
+        measured = self.network.actions[action].sensor.property
+        if isinstance(admitted, Label | StateLikelihood):
+            factors = {**factors, action: self._factor(action, evidence)}
+            if action in self._factors:
+                log_joint = self._from_scratch(factors, groups)
             else:
-                groups = self._regrouped(action, evidence)
+                with np.errstate(divide="ignore"):
+                    log_joint = log_joint + self.parts.along(Table(np.log(factors[action]), (measured,)))
+        elif not isinstance(admitted, Failed):
+            home = self.parts.home[measured]
+            groups = self._regrouped(home, measured, evidence)
+            if self.groups[home].touched:
+                log_joint = self._from_scratch(factors, groups)
+            else:
+                log_joint = log_joint + self.parts.along(groups[home].log_evidence)
         after = type(self).__new__(type(self))
-        after._fill(self.network, evidence, factors, groups)
+        after._fill(self.network, self.parts, evidence, factors, groups, log_joint)
         return after
+
+    def _from_scratch(self, factors: Mapping[str, Array], groups: Sequence[GroupBelief]) -> Array:
+        """Log of the prior and all evidence over the joint table: an old term cannot be taken out of a -inf."""
+        log_joint = self.parts.log_prior
+        with np.errstate(divide="ignore"):
+            for action, factor in factors.items():
+                measured = self.network.actions[action].sensor.property
+                log_joint = log_joint + self.parts.along(Table(np.log(factor), (measured,)))
+        for group in groups:
+            if group.touched:
+                log_joint = log_joint + self.parts.along(group.log_evidence)
+        return log_joint
 
     def _factor(self, action: str, evidence: Sequence[Observation]) -> Array:
         sensor = self.network.actions[action].sensor
@@ -123,12 +140,11 @@ class ExactBelief:
                 factor = factor * outcome.values
         return factor
 
-    def _regrouped(self, action: str, evidence: Sequence[Observation]) -> tuple[GroupBelief, ...]:
-        measured = self.network.actions[action].sensor.property
-        home = self.parts.home[measured]
+    def _regrouped(
+        self, home: int, measured: str, evidence: Sequence[Observation]
+    ) -> tuple[GroupBelief, ...]:
         old = self.groups[home]
-        readings = {**old.readings, measured: self.readings(measured, evidence)}
-        new = GroupBelief(old.group, readings)
+        new = GroupBelief(old.group, {**old.readings, measured: self.readings(measured, evidence)})
         return (*self.groups[:home], new, *self.groups[home + 1 :])
 
     def readings(self, measured: str, evidence: Sequence[Observation] | None = None) -> Readings:
@@ -296,11 +312,11 @@ class ExactBelief:
         kernel = sensor.predictive(self.outcomes_of(action), nodes, sd)
         return NumberPrediction(kernel, masses, sensor.low, sensor.high)
 
-    def log2_predictive(self, action: str, outcome: Outcome) -> float:
+    def log2_predictive(self, action: str, outcome: Outcome | AdmittedOutcome) -> float:
         """log2 of the probability, or density per unit of the property, of an outcome; 0 for a failed one."""
         return self.update(action, outcome).log_evidence_bits - self.log_evidence_bits
 
-    def surprise(self, action: str, outcome: Outcome) -> float | None:
+    def surprise(self, action: str, outcome: Outcome | AdmittedOutcome) -> float | None:
         """Predictive probability of an outcome at least as unlikely as this one.
 
         None for vectors and failed readings. Labels: the sum over labels no more probable.

@@ -121,10 +121,10 @@ class GroupBelief:
             measured = channel.sensor.property
             frame = self.sure_frame(measured)
             nodes = self.mass(frame, measured).values
-            total = nodes.sum(axis=-1, keepdims=True)
-            share = np.divide(nodes, total, out=np.zeros_like(nodes), where=total > TINY)
-            table = channel.table(self.chart(frame).meshes[measured])
-            self._given[key] = Table(share @ table, (*self.group.parents, OUTCOME))
+            table = nodes @ channel.table(self.chart(frame).meshes[measured])
+            total = table.sum(axis=-1, keepdims=True)
+            given = np.divide(table, total, out=np.zeros_like(table), where=total > TINY)
+            self._given[key] = Table(given, (*self.group.parents, OUTCOME))
         return self._given[key]
 
     def through(self, frame: Frame, channel: NumberChannel) -> tuple[Table, ...]:

@@ -30,7 +30,9 @@ def outcome_table(belief: ExactBelief, action: str) -> Table:
     """
     sensor = belief.network.action(action).sensor
     if isinstance(sensor, ConfusionSensor):
-        return Table(sensor.predictive(belief.labels_of(action)).T, (sensor.property, OUTCOME))
+        labels = belief.labels_of(action) if sensor.repeat_probability else []
+        values = sensor.predictive(labels).T if labels else sensor.by_state
+        return Table(values, (sensor.property, OUTCOME))
     group = belief.groups[belief.parts.home[sensor.property]]
     return group.given(group.channel(sensor, belief.outcomes_of(action)))
 

@@ -25,7 +25,9 @@ Array = NDArray[np.float64]
 Names = tuple[str, ...]
 
 FAINT = 1e-8
-"""States, and panels of nodes, less probable than this are left out of gains."""
+"""Panels of nodes less probable than this are left out of gains."""
+FAINT_STATE = 1e-13
+"""States less probable than this are left out: what is left agrees with the whole to 1e-11 bits."""
 NO_MASS = 1e-280
 
 
@@ -39,7 +41,7 @@ class Trimmed:
         joint = belief.joint.values
         for i, name in enumerate(self.axes):
             total = joint.sum(axis=tuple(k for k in range(joint.ndim) if k != i))
-            kept = np.flatnonzero(total > FAINT)
+            kept = np.flatnonzero(total > FAINT_STATE)
             if len(kept) < len(total):
                 self._keep[name] = kept
                 joint = joint.take(kept, axis=i)

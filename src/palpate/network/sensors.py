@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -46,6 +47,11 @@ class ConfusionSensor:
     outcomes: tuple[str, ...]
     table: Array
     repeat_probability: float = 0.0
+
+    @cached_property
+    def by_state(self) -> Array:
+        """P(outcome | state), states x outcomes; rows sum to one."""
+        return np.ascontiguousarray(self.table.T)
 
     def _hidden(self, labels: Sequence[str]) -> Array:
         """P(hidden label, labels | state), hidden labels x states."""

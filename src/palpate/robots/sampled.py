@@ -85,7 +85,9 @@ class SampledRobot:
         return Label(self._draw(sensor, column))
 
     def _draw(self, sensor: ConfusionSensor, column: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> str:
-        return sensor.outcomes[int(self._rng.choice(len(sensor.outcomes), p=column / column.sum()))]
+        # the inverse of the distribution function: Generator.choice does the same, ten times slower
+        below = np.cumsum(column)
+        return sensor.outcomes[int(np.searchsorted(below, self._rng.random() * below[-1], side="right"))]
 
     def _measure(self, action: str, sensor: NumberSensor, truth: float) -> Outcome:
         if action not in self._shared_offsets:
