@@ -52,7 +52,7 @@ docs: $(VENV)/dev.stamp
 	@echo "docs/_build/html/index.html"
 
 bench: $(VENV)/bench.stamp
-	@$(BIN)/python -m pytest benchmarks -q --benchmark-only
+	@$(BIN)/python -m pytest benchmarks -q --benchmark-only --benchmark-quiet
 
 lock: $(VENV)/run.stamp
 	@$(PIP) install uv

@@ -45,9 +45,7 @@ class Oracle:
 
     network: Network
     links: Sequence[Link] = ()
-    functions: Mapping[str, tuple[str, Callable[[Array], Array], Callable[[Array], Array]]] = field(
-        default_factory=dict
-    )
+    functions: Mapping[str, tuple[str, Function, Function]] = field(default_factory=dict)
     refine: float = 1.0
 
     @cached_property
@@ -181,11 +179,7 @@ class Oracle:
         one, two = (
             base_grid(p, link.log, self.refine, self._features(p.name, features or items), np.inf) for p in props
         )
-        log_ls = (
-            self._log_l(props[0].name, items),
-            self._log_l(props[1].name, items),
-            self._log_l(link.derived, items),
-        )
+        log_a, log_b, log_d = (self._log_l(name, items) for name in (link.first, link.second, link.derived))
         index = (self.index(props[0]), self.index(props[1]))
         wanted = self._features(link.derived, features or items)
         low, high = (float(link.forward(one.edges[i], two.edges[i])) for i in (0, -1))

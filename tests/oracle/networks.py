@@ -75,9 +75,7 @@ def stack() -> Oracle:
     ]
     glance = np.array([[0.8, 0.2, 0.1], [0.1, 0.6, 0.3], [0.1, 0.2, 0.6]])
     sensors: dict[str, Sensor] = {
-        "glance": ConfusionSensor(
-            "left", ("p", "q", "r"), np.array([[0.8, 0.2, 0.1], [0.1, 0.6, 0.3], [0.1, 0.2, 0.6]])
-        ),
+        "glance": ConfusionSensor("left", ("p", "q", "r"), glance),
         "rod": NumberSensor("height", 0.8, offset_sd=0.5),
         "laser": NumberSensor("height", 0.6, noise=StudentTNoise(4.0)),
         "gauge": NumberSensor("lower", 1.0, low=5.0),

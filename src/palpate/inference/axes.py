@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.inference.mesh import Mesh, Pieces, split
-from palpate.network.families import Family, StudentT
+from palpate.network.families import Family, StudentT, Uniform
 from palpate.network.properties import ContinuousProperty, DerivedProperty
 
 __all__ = ["ALONE", "base_mesh", "derived_mesh", "scale_given"]
@@ -30,6 +30,8 @@ ALONE = 0.7
 """How much finer a property's mesh is where nothing else is integrated over with it."""
 GIVEN = 0.6
 """How much finer a derived property's mesh is than its spread given the others."""
+EDGED = 0.2
+"""The same where the input solved for is uniform, so that its ends fall somewhere within panels."""
 
 
 def base_mesh(prior: ContinuousProperty, given: Given | None = None) -> Mesh:
@@ -102,7 +104,8 @@ def _pieces_given_others(derived: DerivedProperty, solved: str, bases: Mapping[s
     given = {name: p.reshape(-1, 1) for name, p in zip(others, points, strict=True)}
     at = [derived.formula.evaluate({**given, solved: x}) for x in (low, high, centre - scale / 2, centre + scale / 2)]
     lows, highs = np.minimum(at[0], at[1]).ravel(), np.maximum(at[0], at[1]).ravel()
-    scales = GIVEN * np.abs(at[3] - at[2]).ravel()
+    share = EDGED if isinstance(family, Uniform) else GIVEN
+    scales = share * np.abs(at[3] - at[2]).ravel()
     return Pieces(lows, highs, lambda x: scales)
 
 

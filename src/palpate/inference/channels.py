@@ -54,6 +54,12 @@ class NumberChannel:
             self._tables[key] = self._made(mesh)
         return self._tables[key]
 
+    def at(self, x: Array) -> Array:
+        """p(reading | true value x) x weights (x..., Y); zero where x is not a number."""
+        flat = np.ravel(x)
+        table = _columns(self.sensor, self.sensor.predictive(self.past, np.nan_to_num(flat)), self.readings)
+        return np.where(np.isnan(flat)[:, None], 0.0, table).reshape(*np.shape(x), -1)
+
     def _made(self, mesh: Mesh) -> Array:
         finer = mesh.finer(self.sensor.scale(mesh.nodes))
         if finer is None:

@@ -23,6 +23,8 @@ __all__ = ["Chart", "Frame", "MasterChart"]
 Array = NDArray[np.float64]
 Names = tuple[str, ...]
 
+TRUSTED = 0.5
+"""Larger errors of a prior's total than this are no errors of quadrature: the mesh ends there."""
 BLOCK = 16 * ORDER
 """Nodes that a master chart works out at a time."""
 
@@ -125,6 +127,26 @@ class Frame:
         if rest.ndim > 1:
             tables.append(Table(np.exp(rest - peak), names))
         return Chart(tuple(tables), np.where(peak <= -1e300, -np.inf, peak), {n: meshes[n] for n in self.axes})
+
+    def prior(self, meshes: Mapping[str, Mesh]) -> Chart:
+        """The chart on meshes of all of its axes, without evidence.
+
+        The density solved for integrates to one along a derived axis, whatever the others are:
+        where it has corners, as a uniform one has, quadrature misses that a little, and is put right.
+        """
+        chart = self.chart(meshes)
+        if len(self.order) != 1 or self.order[0][0] != self.axes[-1]:
+            return chart
+        *own, rest = chart.tables
+        full = rest.values * np.exp(chart.log_along)
+        wanted = np.ones((1,) * (rest.values.ndim - 1))
+        for table, name in zip(own, self.axes[:-1], strict=True):
+            density = np.exp(self.bases[name].family.log_density(meshes[name].nodes))
+            peak = density.max(axis=tuple(range(density.ndim - 1)))
+            wanted = wanted * _spread(peak * meshes[name].weights, table.names[-1:], rest.names[:-1])
+        share = np.divide(full.sum(axis=-1), wanted, out=np.ones(full.shape[:-1]), where=wanted > 0)
+        share = np.where(np.abs(share - 1) < TRUSTED, share, 1.0)
+        return replace(chart, tables=(*own, Table(rest.values / share[..., None], rest.names)))
 
     def _times_solved(self, rest: Array, values: Mapping[str, Array]) -> tuple[Array, Names]:
         names = self.axes

@@ -96,7 +96,7 @@ class _Answer:
     def _beside(self, view: Trimmed, action: str, sensor: NumberSensor) -> None:
         """Objectives with members in the measured property's own group."""
         home = view.home(sensor.property)
-        for i in [i for i in self.open if set(self.targets[i].members) & set(home.group.members)]:
+        for i in [i for i in self.open if set(view.members(self.targets[i])) & set(home.group.members)]:
             channel = home.channel(sensor, view.belief.outcomes_of(action))
             joint = view.beside(self.targets[i], channel)
             self.nats[i] = self.before + sum_p_log_p(joint) - sum_p_log_p(joint.sum(axis=1))

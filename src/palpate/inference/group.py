@@ -18,6 +18,7 @@ from palpate.inference.axes import base_mesh, derived_mesh, scale_given
 from palpate.inference.chart import Chart, Frame, MasterChart
 from palpate.inference.mesh import Mesh
 from palpate.inference.window import Window, cut
+from palpate.network.families import Uniform
 from palpate.network.model import Network
 from palpate.network.properties import ContinuousProperty, DerivedProperty
 from palpate.network.sensors import NumberSensor
@@ -84,6 +85,22 @@ class Group:
         """The prior meshes of a frame's axes."""
         return {name: self.mesh(frame, name) for name in frame.axes}
 
+    def rank(self, names: Sequence[str]) -> int:
+        """How many degrees of freedom some members have together."""
+        middle = {name: float(np.median(np.asarray(b.family.quantile(np.array(0.4))))) for name, b in self.bases.items()}
+        step = {name: 1e-6 * max(abs(x), 1e-6) for name, x in middle.items()}
+        slopes = np.zeros((len(names), len(self.bases)))
+        for row, name in enumerate(names):
+            for column, base in enumerate(self.bases):
+                if name in self.bases:
+                    slopes[row, column] = name == base
+                else:
+                    f = self.derived[name].formula
+                    moved = f.evaluate({**middle, base: middle[base] + step[base]})
+                    slopes[row, column] = (moved - f.evaluate(middle)) / step[base] * max(abs(middle[base]), 1e-6)
+        size = np.abs(slopes).max(axis=1, keepdims=True)
+        return int(np.linalg.matrix_rank(slopes / np.where(size > 0, size, 1), tol=1e-4))
+
     def support(self, name: str) -> tuple[float, float]:
         """Ends of the support of a member."""
         if name in self.bases:
@@ -98,16 +115,22 @@ class Group:
         """The best choice of axes with the required ones among them, None where there is none.
 
         As many members with evidence as possible are axes, so that it is not a ridge across the
-        mesh; then as many properties with densities of their own.
+        mesh; what is solved for is smooth and wide where it can be; then as many properties as
+        possible are axes that have densities of their own.
         """
         key = (required, touched)
         if key not in self._frames:
             fitting = [c for c in combinations(self.members, len(self.bases)) if set(required) <= set(c)]
             solved = [(c, order) for c in fitting if (order := self._order(c)) is not None]
-            best = max(solved, key=lambda s: (len(touched & set(s[0])), sum(x in self.bases for x in s[0])), default=None)
+            best = max(solved, key=lambda s: self._merit(s, touched), default=None)
             frame = Frame(*best, self.bases, self.derived, self.parents) if best else None
             self._frames[key] = self._same.setdefault(frame.axes, frame) if frame else None
         return self._frames[key]
+
+    def _merit(self, solved: tuple[Names, tuple[tuple[str, str], ...]], touched: frozenset[str]) -> tuple[float, ...]:
+        axes, order = solved
+        edged = sum(isinstance(self.bases[base].family, Uniform) for _, base in order)
+        return len(touched & set(axes)), -edged, sum(x in self.bases for x in axes)
 
     def _order(self, axes: Names) -> tuple[tuple[str, str], ...] | None:
         """(derived axis, base it gives) in the order of solving; None if the axes do not fix all bases."""

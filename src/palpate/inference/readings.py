@@ -133,6 +133,8 @@ class GroupBelief:
         Without readings the group never changes, and its tables are carried through the channel once.
         """
         measured = channel.sensor.property
+        if measured not in frame.axes:
+            return (*self.factors(frame), Table(channel.at(self.values(frame, measured)), (*frame.axes, OUTCOME)))
         table = Table(channel.table(self.chart(frame).meshes[measured]), (measured, OUTCOME))
         if self.touched:
             return (*self.factors(frame), table)
@@ -142,6 +144,13 @@ class GroupBelief:
             names = tuple(dict.fromkeys(n for t in along for n in t.names if n != measured))
             self._through[key] = contract((*along, table), (*names, OUTCOME))
         return (*(t for t in self.factors(frame) if measured not in t.names), self._through[key])
+
+    def values(self, frame: Frame, name: str) -> Array:
+        """Values of a member at all nodes of a chart."""
+        meshes = self.chart(frame).meshes
+        solved, _ = frame.values(frame.tensor(meshes))
+        x = solved[name] if name in solved else self.group.derived[name].formula.evaluate(solved)
+        return np.broadcast_to(x, tuple(meshes[axis].size for axis in frame.axes))
 
     def log_likelihood(self, name: str, x: Array) -> Array:
         """Natural log of p(readings of the member | its value x), any shape."""
@@ -168,7 +177,7 @@ class GroupBelief:
     def _made(self, frame: Frame) -> Chart:
         last = frame.axes[-1]
         if not self.touched:
-            return frame.chart(self.group.meshes(frame))
+            return frame.prior(self.group.meshes(frame))
         if self.touched == {last} and last in self.group.derived:
             chart = self.group.window_chart(frame, self._windows[last])
             if chart is not None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from palpate.errors import EvidenceError
 from palpate.inference.belief import Objective, Observation
 from palpate.inference.targets import Target
+from palpate.inference.tensors import Table, contract
 from palpate.information import kl_bits
 from palpate.network.admission import StateLikelihood
 from palpate.network.sensors import ConfusionSensor
@@ -45,7 +46,7 @@ def realised_gain(before: ExactBelief, after: ExactBelief, objective: Objective)
     if measured in target.fixed:
         return max(0.0, _mean_log_likelihood(before, after, seen, measured) / float(np.log(2)))
     home = before.parts.home.get(measured)
-    if home is None or not set(target.members) & set(before.groups[home].group.members):
+    if home is None or not set(target.members(before.groups)) & set(before.groups[home].group.members):
         return _direct(before, after, target)
     return _reweighted(before, after, measured, target)
 
@@ -83,24 +84,43 @@ def _log_likelihood(before: ExactBelief, after: ExactBelief, measured: str, x: A
 
 def _direct(before: ExactBelief, after: ExactBelief, target: Target) -> float:
     """The tables of both beliefs compared: the outcome left the meshes as they were."""
-    new = after.with_nodes(target.members, target.categorical).values
-    return kl_bits(new, before.with_nodes(target.members, target.categorical).values)
+    members = target.members(before.groups)
+    new = after.with_nodes(members, target.categorical).values
+    return kl_bits(new, before.with_nodes(members, target.categorical).values)
 
 
 def _reweighted(before: ExactBelief, after: ExactBelief, measured: str, target: Target) -> float:
     """The same in the measured property's own group, whose mesh the outcome changed: on the old mesh."""
-    out = (*target.members, *target.categorical)
-    joint = before.with_nodes((*target.members, measured), target.categorical).sum_to((*out, measured)).values
+    members = target.members(before.groups)
     home = before.groups[before.parts.home[measured]]
-    frame = home.sure_frame(*(m for m in target.members if m in home.group.members), measured)
+    own = tuple(m for m in members if m in home.group.members)
+    frame = home.frame(*own, measured)
+    if frame is None:
+        return _over_chart(before, after, measured, target, members)
+    out = (*members, *target.categorical)
+    joint = before.with_nodes((*members, measured), target.categorical).sum_to((*out, measured)).values
     mesh = home.chart(frame).meshes[measured]
     sensor = before.network.actions[after.evidence[-1].action].sensor
     assert not isinstance(sensor, ConfusionSensor)
-    scale = sensor.scale(mesh.nodes, getattr(after.evidence[-1].outcome, "sd", None))
-    finer = mesh.finer(scale)
-    nodes = mesh.nodes if finer is None else finer[0]
-    log_p = _log_likelihood(before, after, measured, nodes)
-    likelihood = np.exp(log_p - log_p.max())
-    new = joint @ (likelihood if finer is None else likelihood @ finer[1])
-    new = np.maximum(new, 0.0)
+    finer = mesh.finer(sensor.scale(mesh.nodes, getattr(after.evidence[-1].outcome, "sd", None)))
+    likelihood = _likelihood(before, after, measured, mesh.nodes if finer is None else finer[0])
+    new = np.maximum(joint @ (likelihood if finer is None else likelihood @ finer[1]), 0.0)
     return kl_bits(new / new.sum(), joint.sum(axis=-1))
+
+
+def _likelihood(before: ExactBelief, after: ExactBelief, measured: str, x: Array) -> Array:
+    """p(last reading | value x, readings before), scaled to maximum 1, of the shape of x."""
+    log_p = _log_likelihood(before, after, measured, x)
+    return np.asarray(np.exp(log_p - log_p.max()))
+
+
+def _over_chart(before: ExactBelief, after: ExactBelief, measured: str, target: Target, members: tuple[str, ...]) -> float:
+    """The same where the measured property is no axis beside the members: over all of the group's chart."""
+    home = before.groups[before.parts.home[measured]]
+    frame = home.sure_frame(*(m for m in members if m in home.group.members))
+    axes = (*frame.axes, *(m for m in members if m not in frame.axes))
+    joint = before.with_nodes(axes, target.categorical)
+    values = Table(_likelihood(before, after, measured, home.values(frame, measured)), frame.axes)
+    out = (*members, *target.categorical)
+    new = contract((joint, values), out).values
+    return kl_bits(new / new.sum(), joint.sum_to(out).values)

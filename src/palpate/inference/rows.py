@@ -64,7 +64,7 @@ def _block(view: Trimmed, target: Target, names: tuple[str, ...]) -> Array:
     """Joint of an objective (flattened to rows) and of the named categorical properties."""
     own = tuple(n for n in target.categorical if n in names)
     beside = tuple(n for n in target.categorical if n not in names)
-    table = view.joint(target.members, (*beside, *names)).values
+    table = view.joint(view.members(target), (*beside, *names)).values
     shape = table.shape[table.ndim - len(names) :]
     table = table.reshape(-1, *shape)
     for name in own:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.errors import EvidenceError
 from palpate.inference.channels import OUTCOME, NumberChannel
 from palpate.inference.chart import Frame
 from palpate.inference.mesh import ORDER
@@ -29,6 +30,8 @@ FAINT = 1e-8
 FAINT_STATE = 1e-13
 """States less probable than this are left out: what is left agrees with the whole to 1e-11 bits."""
 NO_MASS = 1e-280
+MAX_ENTRIES = 50_000_000
+"""Largest joint table of an objective's nodes and categorical properties."""
 
 
 class Trimmed:
@@ -74,6 +77,7 @@ class Trimmed:
         """Joint of the nodes of continuous properties and of categorical properties."""
         key = (members, names)
         if key not in self._joints:
+            self._check_size(members, names)
             self._joints[key] = contract(self._spread(members, names), (*members, *names))
         return self._joints[key]
 
@@ -90,23 +94,28 @@ class Trimmed:
             tables += self._trimmed(group, frame, own)
         return [weights, *tables]
 
+    def members(self, target: Target) -> Names:
+        """The axes that stand for the target's continuous properties."""
+        return target.members(self.belief.groups)
+
     def beside(self, target: Target, channel: NumberChannel) -> Array:
         """Joint of an objective with members in the measured property's group, and of the reading (rows, Y)."""
         measured = channel.sensor.property
         home = self.home(measured)
-        own = tuple(m for m in target.members if m in home.group.members)
-        far = tuple(m for m in target.members if m not in own)
-        frame = home.sure_frame(*own, measured)
+        members = self.members(target)
+        own = tuple(m for m in members if m in home.group.members)
+        far = tuple(m for m in members if m not in own)
+        frame = home.frame(*own, measured) or home.sure_frame(*own)
         weights, *tables = self._spread(far, (*target.categorical, *home.group.parents))
         weights = per_mass(weights, self.kept(home.mass(frame)))
         tables += self._through(home, frame, channel)
-        joint = contract((weights, *tables), (*target.members, *target.categorical, OUTCOME)).values
+        joint = contract((weights, *tables), (*members, *target.categorical, OUTCOME)).values
         return joint.reshape(-1, joint.shape[-1])
 
     def _through(self, home: GroupBelief, frame: Frame, channel: NumberChannel) -> tuple[Table, ...]:
-        if not home.touched:
-            return tuple(self.kept(t) for t in home.through(frame, channel))
         measured = channel.sensor.property
+        if not home.touched or measured not in frame.axes:
+            return tuple(self.kept(t) for t in home.through(frame, channel))
         first, last = self._panels(home, frame, measured)
         table = channel.table(home.chart(frame).meshes[measured])[first * ORDER : last * ORDER]
         return (*self._trimmed(home, frame, frame.axes), Table(table, (measured, OUTCOME)))
@@ -132,13 +141,20 @@ class Trimmed:
 
     def rows_size(self, targets: Iterable[Target], names: Names) -> int:
         """Entries of the rows of all targets with the named categorical properties, at most."""
+        return sum(self._size(self.members(t), {*t.categorical, *names}) for t in targets)
+
+    def _size(self, members: Names, names: Iterable[str]) -> int:
         sizes = dict(zip(self.axes, self._joint.values.shape, strict=True))
-        total = 0
-        for target in targets:
-            homes = [self.home(m) for m in target.members]
-            nodes = prod(h.chart(h.sure_frame(m)).meshes[m].size for h, m in zip(homes, target.members, strict=True))
-            total += nodes * prod(sizes[n] for n in {*target.categorical, *names})
-        return total
+        homes = [self.home(m) for m in members]
+        nodes = prod(h.chart(h.sure_frame(m)).meshes[m].size for h, m in zip(homes, members, strict=True))
+        return nodes * prod(sizes[n] for n in names)
+
+    def _check_size(self, members: Names, names: Names) -> None:
+        if (size := self._size(members, names)) > MAX_ENTRIES:
+            raise EvidenceError(
+                f"an objective of {', '.join((*members, *names))} together needs {size:.0e} numbers, "
+                f"more than {MAX_ENTRIES:.0e}: choose fewer properties, or everything"
+            )
 
 
 def per_mass(weights: Table, mass: Table) -> Table:
