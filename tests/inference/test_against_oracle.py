@@ -16,7 +16,7 @@ from palpate.inference.marginals import ContinuousMarginal
 from palpate.network.model import Network
 from palpate.network.reading import load_network
 from tests.oracle.bridge import believe, outcome
-from tests.oracle.brute_force import realised_gain
+from tests.oracle.brute_force import realised_gains
 from tests.oracle.networks import household_oracle
 
 REFERENCE = Path(__file__).parents[1] / "oracle" / "household_reference.json.gz"
@@ -161,6 +161,5 @@ def test_realised_gain(items: list[dict[str, Any]], item: dict[str, Any]) -> Non
     before = believe(household(), items)
     after = before.update(item["action"], outcome(item))
     wanted: list[str | tuple[str, ...]] = [*household().properties, ("category", "material")]
-    for name in wanted:
-        expected = realised_gain(oracle, items, item, name)
+    for name, expected in zip(wanted, realised_gains(oracle, items, item, wanted), strict=True):
         assert before.realised_gain(after, name) == pytest.approx(expected, abs=1e-3), name

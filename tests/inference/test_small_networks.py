@@ -12,7 +12,7 @@ from palpate.inference.exact import ExactBelief
 from palpate.inference.marginals import ContinuousMarginal
 from palpate.network.properties import CategoricalProperty
 from tests.oracle.bridge import believe, outcome
-from tests.oracle.brute_force import Oracle, realised_gain
+from tests.oracle.brute_force import Oracle, realised_gains
 from tests.oracle.networks import cube, singles, stack
 
 Items = list[dict[str, Any]]
@@ -107,6 +107,6 @@ def test_realised(make: Callable[[], Oracle], items: Items) -> None:
     oracle = make()
     before = believe(oracle.network, items[:-1])
     after = before.update(items[-1]["action"], outcome(items[-1]))
-    for name in oracle.network.properties:
-        expected = realised_gain(oracle, items[:-1], items[-1], name)
+    wanted = list(oracle.network.properties)
+    for name, expected in zip(wanted, realised_gains(oracle, items[:-1], items[-1], wanted), strict=True):
         assert before.realised_gain(after, name) == pytest.approx(expected, abs=1e-3), name

@@ -358,16 +358,22 @@ class Posterior:
         return value, value
 
 
-def realised_gain(oracle: Oracle, items: Sequence[Item], item: Item, objective: str | tuple[str, ...]) -> float:
-    """KL(after || before) [bits] of the objective by one more item of evidence."""
+def realised_gains(
+    oracle: Oracle, items: Sequence[Item], item: Item, objectives: Sequence[str | tuple[str, ...]]
+) -> list[float]:
+    """KL(after || before) [bits] of each objective by one more item of evidence."""
     longer = [*items, item]
     before = oracle.posterior(items, gains=False, features=longer)
     after = oracle.posterior(longer, gains=False, features=longer)
-    names = (objective,) if isinstance(objective, str) else objective
-    if all(isinstance(oracle.network.properties[n], CategoricalProperty) for n in names):
-        return divergence(after.probabilities(*names), before.probabilities(*names))
-    (name,) = names
-    return divergence(after.masses(name)[1].sum(axis=0), before.masses(name)[1].sum(axis=0))
+    bits = []
+    for objective in objectives:
+        names = (objective,) if isinstance(objective, str) else objective
+        if all(isinstance(oracle.network.properties[n], CategoricalProperty) for n in names):
+            bits.append(divergence(after.probabilities(*names), before.probabilities(*names)))
+        else:
+            (name,) = names
+            bits.append(divergence(after.masses(name)[1].sum(axis=0), before.masses(name)[1].sum(axis=0)))
+    return bits
 
 
-__all__ = ["EVERYTHING", "Oracle", "Posterior", "realised_gain"]
+__all__ = ["EVERYTHING", "Oracle", "Posterior", "realised_gains"]

@@ -26,7 +26,8 @@ def vector(item: Item, states: Sequence[str]) -> Array | None:
         return np.asarray(values / values.max())
     if "posterior" not in item:
         return None
-    given = item["posterior"]
+    whole = sum(item["posterior"].values())
+    given = {label: value / whole for label, value in item["posterior"].items()}
     p = np.array([float(given.get(state, 0.0)) for state in states])
     unknown = sum(value for label, value in given.items() if label not in states)
     empty = p < 1e-5

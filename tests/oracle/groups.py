@@ -103,21 +103,35 @@ def is_log(prop: ContinuousProperty) -> bool:
     return isinstance(prop.family, LogNormal | Gamma)
 
 
-def base_grid(prop: ContinuousProperty, log: bool, refine: float, features: Sequence[Feature], finest: float) -> Grid:
-    """A grid over the whole prior; `finest` is the widest panel that later noise allows."""
+def base_grid(
+    prop: ContinuousProperty,
+    log: bool,
+    refine: float,
+    features: Sequence[Feature],
+    finest: float,
+    ratio: float = 0.1,
+    ends: tuple[float, float] | None = None,
+) -> Grid:
+    """A grid over the whole prior, or between the ends.
+
+    `finest` is the widest panel that later noise allows, `ratio` the widest geometric one.
+    """
     low, high, width, jumps = spans(prop, log)
+    low, high = ends or (low, high)
     middle = float(np.mean(np.ravel(prop.family.location))) if isinstance(prop.family, StudentT) else None
 
     def step(x: float) -> float:
+        # A heavy tail is too long for panels of one width; what little it holds is smooth there.
+        beyond = 0.0 if middle is None else max(0.0, abs(x - middle) - 40 * width) / 4
         if log:
-            widest = x * (0.1 if x > width else 0.15 if x > 1e-4 * width else 0.4)
+            widest = x * (ratio if x > width else 0.15 if x > 1e-4 * width else 0.4)
         else:
             widest = 0.7 * width + (0.0 if middle is None else abs(x - middle) / 4)
-        return refine * min([widest, finest, *(near(f.centre, f.width)(x) for f in features)])
+        return refine * min([widest, finest + beyond, *(near(f.centre, f.width)(x) for f in features)])
 
     inner = sorted({v for v in jumps if low < v < high})
-    ends = [low, *inner, high]
-    parts = [walk(a, b, step, log).edges for a, b in pairwise(ends)]
+    cuts = [low, *inner, high]
+    parts = [walk(a, b, step, log).edges for a, b in pairwise(cuts)]
     return grid(np.concatenate([parts[0], *(part[1:] for part in parts[1:])]), log)
 
 

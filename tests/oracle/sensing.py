@@ -25,7 +25,7 @@ def _offsets(sensor: NumberSensor, items: Sequence[Item], x: Array) -> tuple[Arr
         return np.zeros(1), log_w
     b = sensor.offset_sd
     least = min([b, *(float(densities.scale(sensor, x, i.get("sd")).min()) for i in items)])
-    on = walk(-8 * b, 8 * b, lambda _: least)
+    on = walk(-7.5 * b, 7.5 * b, lambda _: 1.5 * least)
     log_w = np.broadcast_to(-0.5 * (on.x / b) ** 2 - np.log(b * np.sqrt(2 * np.pi)) + np.log(on.w), (x.size, on.x.size))
     for item in items:
         scales = densities.scale(sensor, x, item.get("sd"))[:, None]
@@ -94,7 +94,7 @@ def _reading_grid(sensor: NumberSensor, x: Array, mass: Array, scales: Array, re
     def step(y: float) -> float:
         local = float(np.interp(y, x[order], scales[order]))
         beyond = max(0.0, near.min() - y, y - near.max())
-        return refine * (3 * local + (beyond / 3 if heavy else 0.0))
+        return refine * (3 * local + (beyond if heavy else 0.0))
 
     found = walk(max(low, sensor.low), min(high, sensor.high), step)
     return found.x, found.w

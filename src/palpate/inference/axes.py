@@ -18,20 +18,22 @@ Array = NDArray[np.float64]
 Given = Callable[[Array], Array]
 
 TAIL = 1e-9
-"""Probability that a mesh leaves out at either end of each density."""
-HEAVY_TAIL = 1e-6
+"""Probability beyond the ends of a density as far as they are looked up: six SDs of a normal one."""
+STRETCH = 5 / 3
+"""A mesh reaches this much further from the median, where conflicting evidence may push: ten SDs."""
+HEAVY_TAIL = 1e-7
 """The same for Student's t, whose far tail would make the mesh endless."""
 CORE = 3e-5
 """Tail beyond which a density that is solved for need not be resolved given the others."""
-KEPT = 5e-3
+KEPT = 1e-3
 """Tail of the others beyond which that holds too."""
 KEPT_POINTS = 32
 ALONE = 0.7
 """How much finer a property's mesh is where nothing else is integrated over with it."""
 GIVEN = 0.6
 """How much finer a derived property's mesh is than its spread given the others."""
-EDGED = 0.2
-"""The same where the input solved for is uniform, so that its ends fall somewhere within panels."""
+EDGED = 0.3
+"""How much finer all meshes are where the input solved for is uniform: its ends fall within panels."""
 
 
 def base_mesh(prior: ContinuousProperty, given: Given | None = None) -> Mesh:
@@ -44,11 +46,12 @@ def base_mesh(prior: ContinuousProperty, given: Given | None = None) -> Mesh:
         where there are none that make it narrower.
     """
     family = prior.family
-    tail = HEAVY_TAIL if isinstance(family, StudentT) else TAIL
-    lows, highs = _ends(family, tail)
+    middle = np.asarray(family.quantile(np.array(0.5))).ravel()
+    lows, highs = middle + STRETCH * (_ends(family, HEAVY_TAIL if isinstance(family, StudentT) else TAIL) - middle)
     supports = np.stack([family.low, family.high]).reshape(2, -1)
-    # A density begins at the end of its support where that is finite, else at its quantile.
+    # A density begins at the end of its support where that is finite, and ends there.
     lows = np.where(np.isfinite(supports[0]), supports[0], lows)
+    highs = np.minimum(highs, supports[1])
     finite = supports[np.isfinite(supports)]
     graded = bool(np.isfinite(supports[0]).any() and lows.min() == supports[0][np.isfinite(supports[0])].min())
     if given is None:
@@ -104,8 +107,7 @@ def _pieces_given_others(derived: DerivedProperty, solved: str, bases: Mapping[s
     given = {name: p.reshape(-1, 1) for name, p in zip(others, points, strict=True)}
     at = [derived.formula.evaluate({**given, solved: x}) for x in (low, high, centre - scale / 2, centre + scale / 2)]
     lows, highs = np.minimum(at[0], at[1]).ravel(), np.maximum(at[0], at[1]).ravel()
-    share = EDGED if isinstance(family, Uniform) else GIVEN
-    scales = share * np.abs(at[3] - at[2]).ravel()
+    scales = GIVEN * np.abs(at[3] - at[2]).ravel()
     return Pieces(lows, highs, lambda x: scales)
 
 
@@ -143,7 +145,7 @@ def _centre_and_scale(family: Family) -> tuple[Array, Array]:
     """Median and width of each configuration (configurations,)."""
     q16, centre, q84 = np.moveaxis(np.asarray(family.quantile(np.array([0.16, 0.5, 0.84]))), -1, 0).reshape(3, -1)
     own = np.array([np.broadcast_to(family.local_scale(float(c)), family.low.shape).flat[k] for k, c in enumerate(centre)])
-    return centre, np.minimum(own, (q84 - q16) / 2)
+    return centre, np.minimum(own, (q84 - q16) / 2) * (EDGED if isinstance(family, Uniform) else 1.0)
 
 
 def _kept_ends(family: Family) -> tuple[float, float]:

@@ -167,6 +167,8 @@ class Group:
 
     def window_chart(self, frame: Frame, window: Window) -> Chart | None:
         """The chart without evidence on the window of its last axis; None where no master mesh resolves it."""
+        if not self._blunt(frame.axes[-1], window):
+            return None
         for level in range(MASTER_LEVELS):
             mesh = self._master_mesh(frame, level)
             panels = window.panels(mesh)
@@ -178,6 +180,11 @@ class Group:
                     self._masters[key] = MasterChart(frame, {**self.meshes(frame), frame.axes[-1]: mesh})
                 return self._masters[key].window(*panels)
         return None
+
+    def _blunt(self, name: str, window: Window) -> bool:
+        """Whether evidence on a member is no sharper than the other axes' meshes are made for."""
+        own = [s for s in self.sensors if s.property == name]
+        return bool(own) and all(scale >= 0.9 * SHARP * _noise(own, np.array([low, high])).min() for low, high, scale in window.fine)
 
     def _master_mesh(self, frame: Frame, level: int) -> Mesh:
         """The prior mesh of the last axis cut so that it resolves its sensors; finer by halves at each level."""

@@ -166,12 +166,13 @@ class GroupBelief:
 
     def _beside_evidence(self, frame: Frame, name: str, prior: Mesh) -> Mesh:
         """The mesh of an axis cut so that it resolves what evidence on a derived axis makes of it."""
-        middles = (prior.edges[1:] + prior.edges[:-1]) / 2
+        # The scale at the lower edge, but for the panel that begins at the end of the support.
+        points = np.append((prior.edges[0] + prior.edges[1]) / 2, prior.edges[1:-1])
         for axis, solved in frame.order:
             if axis in self.touched and name in self.group.derived[axis].formula.variables:
                 sharpest = min((fine[2] for fine in self._windows[axis].fine), default=np.inf)
                 scale = self.group.scale_given(axis, solved, name, lambda s, sd=sharpest: np.full_like(s, sd))  # type: ignore[misc]
-                return cut(prior, scale(middles))
+                return cut(prior, np.minimum(scale(points), scale((prior.edges[1:] + prior.edges[:-1]) / 2)))
         return prior
 
     def _made(self, frame: Frame) -> Chart:
