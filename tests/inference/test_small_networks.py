@@ -109,4 +109,4 @@ def test_realised(make: Callable[[], Oracle], items: Items) -> None:
     after = before.update(items[-1]["action"], outcome(items[-1]))
     wanted = list(oracle.network.properties)
     for name, expected in zip(wanted, realised_gains(oracle, items[:-1], items[-1], wanted), strict=True):
-        assert before.realised_gain(after, name) == pytest.approx(expected, abs=1e-3), name
+        assert before.realised_gain(after, name) == pytest.approx(expected, rel=1e-3, abs=1e-3), name

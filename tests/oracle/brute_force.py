@@ -96,9 +96,6 @@ class Oracle:
         """
         log_p = self.log_prior + self.log_categorical(items)
         groups: list[Integrated] = []
-        for link in self.links:
-            groups.append(self._pair(link, items, gains, features, log_p))
-            log_p = log_p + groups[-1].log_z
         linked = {name for link in self.links for name in (link.first, link.second)}
         for prop in self.network.continuous:
             if prop.name not in linked:
@@ -106,6 +103,10 @@ class Oracle:
                 on = base_grid(prop, is_log(prop), self.refine, self._features(prop.name, features or items), finest)
                 groups.append(single(prop, self.index(prop), self._log_l(prop.name, items), on))
                 log_p = log_p + groups[-1].log_z
+        # Pairs last: their grids are cut to where the evidence outside of them leaves mass.
+        for link in self.links:
+            groups.append(self._pair(link, items, gains, features, log_p))
+            log_p = log_p + groups[-1].log_z
         return Posterior(self, tuple(items), log_p, tuple(groups))
 
     def log_categorical(self, items: Sequence[Item]) -> Array:
@@ -176,12 +177,17 @@ class Oracle:
         self, link: Link, items: Sequence[Item], gains: bool, features: Sequence[Item], log_p: Array
     ) -> Integrated:
         props = (self._continuous(link.first), self._continuous(link.second))
-        one, two = (
-            base_grid(p, link.log, self.refine, self._features(p.name, features or items), np.inf) for p in props
-        )
+        wanted = self._features(link.derived, features or items)
+        # Between a narrow reading and a far tail of the prior what is left is narrow too.
+        ratio = 0.05 if wanted else 0.1
+
+        def base(k: int, finest: float = np.inf, ends: tuple[float, float] | None = None) -> Grid:
+            around = self._features(props[k].name, features or items)
+            return base_grid(props[k], link.log, self.refine, around, finest, ratio, ends)
+
+        one, two = base(0), base(1)
         log_a, log_b, log_d = (self._log_l(name, items) for name in (link.first, link.second, link.derived))
         index = (self.index(props[0]), self.index(props[1]))
-        wanted = self._features(link.derived, features or items)
         low, high = (float(link.forward(one.edges[i], two.edges[i])) for i in (0, -1))
         low = max(low, 1e-14 * high) if link.log else low
 
@@ -202,14 +208,12 @@ class Oracle:
         if features or not gains:
             return at(one, two, derived((low, high), np.inf, self.refine))
         # Keep the part that holds the mass, and resolve the noise of later readings there.
-        rough = at(one, two, derived((low, high), np.inf, 2.0), check=None)
+        rough = at(one, two, derived((low, high), np.inf, 1.5), check=None)
         weights = np.exp(log_p + rough.log_z - np.max(log_p + rough.log_z))[:, None]
-        first, second, third = (
-            on.kept(np.nan_to_num(weights * t).sum(axis=0), TRIM) for on, t in rough.tables.values()
-        )
-        return at(
-            first, second, derived((third.edges[0], third.edges[-1]), self._finest(link.derived, True), self.refine)
-        )
+        kept = [on.kept(np.nan_to_num(weights * table).sum(axis=0), TRIM) for on, table in rough.tables.values()]
+        ends = [(float(on.edges[0]), float(on.edges[-1])) for on in kept]
+        one, two = (base(k, (ends[k][1] - ends[k][0]) / 16, ends[k]) for k in (0, 1))
+        return at(one, two, derived(ends[2], self._finest(link.derived, True), self.refine))
 
 
 @dataclass(frozen=True, eq=False)

@@ -231,7 +231,7 @@ def pair(
         weights = np.exp(check + log_z - (check + log_z).max())
         likely = weights > 0
         apart = float((weights[likely] * np.abs(log_z[likely] - log_z_again[likely])).max())
-        if not apart < 1e-8:
+        if not apart < 1e-6:
             raise ArithmeticError(f"the oracle's grids are too coarse: the sides differ by {apart:.1e}")
 
     def cross(z: str, x: str, weights: Array) -> Array:

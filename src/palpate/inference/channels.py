@@ -23,7 +23,9 @@ OUTCOME = "(outcome)"
 """Name of the axis of outcomes in tables."""
 NORMAL_REACH = 6.0
 HEAVY_TAIL = 1e-6
-SAMPLES = 96
+HEAVY_SHARP = 0.5
+"""How much finer meshes are for Student's t, whose peak is sharper than its scale says."""
+SAMPLES = 32
 TAN_ORDER = 128
 
 
@@ -34,18 +36,31 @@ class NumberChannel:
     ----------
     past
         The sensor's readings so far.
+    own
+        The mesh of the measured property.
     meshes
-        Of the measured property: the first is its own, the others are those of its charts with
-        other members, where it can be narrower given them.
+        Of the measured property: its own and those of its charts with
+        other members, where it can be narrower given them. The panels that hold something.
+    corners
+        Where densities of the measured property have an end.
+    only_noise
+        Whether the property can be far narrower given other evidence than its meshes show.
     """
 
-    def __init__(self, sensor: NumberSensor, past: Sequence[NumberOutcome], meshes: Sequence[Mesh]) -> None:
+    def __init__(
+        self,
+        sensor: NumberSensor,
+        past: Sequence[NumberOutcome],
+        own: Mesh,
+        meshes: Sequence[Mesh],
+        corners: Array,
+        only_noise: bool,
+    ) -> None:
         self.sensor = sensor
         self.past = past
-        self.mesh = meshes[0]
-        self.readings = _reading_mesh(sensor, meshes)
+        self.readings = _reading_mesh(sensor, meshes, corners, only_noise)
         self._tables: dict[bytes, Array] = {}
-        self.noise_nats = _noise_nats(sensor, sensor.predictive(past, self.mesh.nodes))
+        self.noise_nats = _noise_nats(sensor, sensor.predictive(past, own.nodes))
 
     def table(self, mesh: Mesh) -> Array:
         """p(reading | node of a mesh of the measured property) x weights (K, Y); rows sum to about one."""
@@ -65,8 +80,9 @@ class NumberChannel:
         if finer is None:
             return _columns(self.sensor, self.sensor.predictive(self.past, mesh.nodes), self.readings)
         # The noise is narrower than the mesh: average the kernel over each panel's polynomial.
-        nodes, share = finer
-        return np.asarray(share.T @ _columns(self.sensor, self.sensor.predictive(self.past, nodes), self.readings))
+        return finer.averaged(
+            lambda x: _columns(self.sensor, self.sensor.predictive(self.past, x), self.readings), mesh.size
+        )
 
     def differential(self, p: Array) -> float:
         """What makes -sum p ln p of the reading a differential entropy: the mean log weight [nats]."""
@@ -82,34 +98,37 @@ def _columns(sensor: NumberSensor, kernel: Kernel, readings: Mesh) -> Array:
     return columns[0] if len(columns) == 1 else np.hstack(columns)
 
 
-def _reading_mesh(sensor: NumberSensor, meshes: Sequence[Mesh]) -> Mesh:
+def _reading_mesh(sensor: NumberSensor, meshes: Sequence[Mesh], corners: Array, only_noise: bool) -> Mesh:
     """A mesh for readings, as fine as the noise and the finest mesh of the measured property ask for."""
     ends = np.array([min(m.edges[0] for m in meshes), max(m.edges[-1] for m in meshes)])
-    reach = NORMAL_REACH
+    reach, sharp = NORMAL_REACH, 1.0
     if isinstance(sensor.noise, StudentTNoise):
-        reach = float(-special.stdtrit(sensor.noise.dof, HEAVY_TAIL))
+        reach, sharp = float(-special.stdtrit(sensor.noise.dof, HEAVY_TAIL)), HEAVY_SHARP
     far = float(np.hypot(sensor.scale(ends).max(), sensor.offset_sd)) * reach
     low, high = max(ends[0] - far, sensor.low), min(ends[1] + far, sensor.high)
     if not low < high:  # all readings saturate; a mesh that holds nothing keeps the shapes
         low, high = (sensor.high - 1e-6, sensor.high) if low >= sensor.high else (sensor.low, sensor.low + 1e-6)
-    y = _sampled(low, high)
+    y = _sampled(low, high, meshes)
     inside = np.clip(y, *ends)
-    fine = np.min([m.widths_at(inside) for m in meshes], axis=0) / WIDTH
-    scale = np.hypot(np.hypot(sensor.scale(inside), sensor.offset_sd), fine)
+    noise = np.hypot(sensor.scale(inside), sensor.offset_sd)
+    fine = np.min([m.widths_at(inside) for m in meshes], axis=0) / WIDTH * (not only_noise)
+    # Near a corner of the densities only the noise smooths the readings'.
+    for corner in corners:
+        near = np.abs(y - corner)
+        fine, noise = np.minimum(fine, 0.3 * near), noise * np.minimum(1.0, 0.5 + 0.1 * near / noise)
     # Beyond the property's mesh there is only the tail of the noise, which changes ever more slowly.
-    wanted = 1 / (WIDTH * np.hypot(scale, 0.25 * np.abs(y - inside)))
+    wanted = 1 / (WIDTH * sharp * np.hypot(np.hypot(noise, fine), 0.25 * np.abs(y - inside)))
     total = np.concatenate([[0.0], np.cumsum((wanted[1:] + wanted[:-1]) / 2 * np.diff(y))])
     panels = int(np.ceil(total[-1]))
     edges = np.interp(np.linspace(0, total[-1], panels + 1), total, y)
     return Mesh(edges, np.zeros(panels, dtype=bool), low)
 
 
-def _sampled(low: float, high: float) -> Array:
-    """Points at which the wanted fineness is looked at: even, and in equal ratios towards zero."""
-    even = np.linspace(low, high, SAMPLES)
-    if high <= 0:
-        return even
-    return np.union1d(even, np.geomspace(high * 1e-4, high, SAMPLES).clip(low, high))
+def _sampled(low: float, high: float, meshes: Sequence[Mesh]) -> Array:
+    """Points at which the wanted fineness is looked at: even ones, and those of the meshes."""
+    points = np.concatenate([np.linspace(low, high, SAMPLES), *(m.edges for m in meshes)])
+    points.sort()
+    return points[(points >= low) & (points <= high)]
 
 
 def _noise_nats(sensor: NumberSensor, kernel: Kernel) -> Array:

@@ -20,7 +20,7 @@ from palpate.inference.predictions import LabelPrediction, NumberPrediction
 from palpate.inference.readings import GroupBelief
 from palpate.inference.realised import realised_gain
 from palpate.inference.sampling import sample
-from palpate.inference.tensors import Table, contract
+from palpate.inference.tensors import Table, contract, product
 from palpate.inference.trim import per_mass
 from palpate.inference.window import Readings
 from palpate.network.admission import AdmittedOutcome, StateLikelihood, admit
@@ -230,7 +230,7 @@ class ExactBelief:
         key = (frame.axes, name)
         if key not in self._axis_masses:
             weights = per_mass(self.categorical(group.group.parents), group.mass(frame))
-            self._axis_masses[key] = contract((weights, *group.reduced(frame, name)), (name,)).values
+            self._axis_masses[key] = product(weights, group.mass(frame, name), (name,)).values
         return self._axis_masses[key]
 
     def with_nodes(self, members: tuple[str, ...], names: tuple[str, ...]) -> Table:
@@ -308,7 +308,7 @@ class ExactBelief:
         mesh, masses = self.mesh(sensor.property), self.masses(sensor.property)
         nodes, finer = mesh.nodes, mesh.finer(sensor.scale(mesh.nodes, sd))
         if finer is not None:
-            nodes, masses = finer[0], finer[1] @ masses
+            nodes, masses = finer.spread(masses)
         kernel = sensor.predictive(self.outcomes_of(action), nodes, sd)
         return NumberPrediction(kernel, masses, sensor.low, sensor.high)
 

@@ -9,6 +9,7 @@ states and nodes are rows of one matrix, of which every channel makes a joint wi
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import accumulate
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -120,11 +121,12 @@ def _through_configurations(view: Trimmed, answers: Sequence[_Answer]) -> None:
 
 def _joint_nats(rows: Rows, parents: tuple[str, ...], answers: Sequence[_Answer]) -> None:
     """H(Y) - H(Y | Z) of the answers whose channels have the same parents, in one product."""
-    matrix = rows.over(parents)
-    joint = matrix @ np.hstack([a.table for a in answers])
+    matrix, starts = rows.over(parents, [i for a in answers for i in a.open])
+    joint = matrix @ (answers[0].table if len(answers) == 1 else np.hstack([a.table for a in answers]))
     joint *= np.log(np.maximum(joint, TINY))
-    ends = np.cumsum([0, *(a.table.shape[1] for a in answers)])
-    for answer, first, last in zip(answers, ends[:-1], ends[1:], strict=True):
-        minus = rows.per_objective(joint[:, first:last].sum(axis=1))
+    ends = [0, *accumulate(a.table.shape[1] for a in answers)]
+    minus = np.add.reduceat(np.add.reduceat(joint, ends[:-1], axis=1), list(starts.values()), axis=0)
+    for column, answer in enumerate(answers):
         for i in answer.open:
-            answer.nats[i] = answer.before + minus[rows.place[i]] - rows.sum_p_log_p[rows.place[i]]
+            place = list(starts).index(i)
+            answer.nats[i] = answer.before + minus[place, column] - rows.sum_p_log_p[i]

@@ -85,6 +85,14 @@ class Group:
         """The prior meshes of a frame's axes."""
         return {name: self.mesh(frame, name) for name in frame.axes}
 
+    def corners(self, name: str) -> Array:
+        """Where densities of a member end at once, and do not fade."""
+        if name in self.derived:
+            return np.array([self.support(name)[0]]) if np.isfinite(self.support(name)[0]) else np.empty(0)
+        family = self.bases[name].family
+        ends = np.unique(np.stack([family.low, family.high]))
+        return ends[np.isfinite(ends)]
+
     def rank(self, names: Sequence[str]) -> int:
         """How many degrees of freedom some members have together."""
         middle = {name: float(np.median(np.asarray(b.family.quantile(np.array(0.4))))) for name, b in self.bases.items()}

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["WIDTH", "Mesh", "Pieces", "split"]
+__all__ = ["WIDTH", "Finer", "Mesh", "Pieces", "split"]
 
 Array = NDArray[np.float64]
 
@@ -22,20 +22,54 @@ ORDER = 6
 WIDTH = 4.0
 GRADED_PANELS = 3
 GRADED_RATIO = 10.0
+KERNEL_WIDTH = 3.0
+"""Scales of a kernel that a panel may be wide for the kernel to be summed over the panel's nodes."""
+MAX_CUTS = 2000
+GRADED_SHARE = 0.2
+"""Share of the first panel that is graded."""
 
 _X, _W = np.polynomial.legendre.leggauss(ORDER)
 _T = (_X + 1) / 2  # nodes on [0, 1]
 _W = _W / 2
 # _BELOW[i, k]: share of node k's mass that lies below node i, for the polynomial through all nodes.
 _VANDERMONDE = np.vander(_T, ORDER, increasing=True)
+_COEFFICIENTS = np.linalg.inv(_VANDERMONDE)
 _POWERS = np.arange(1, ORDER + 1)
 _BELOW = (_T[:, None] ** _POWERS / _POWERS) @ np.linalg.inv(_VANDERMONDE) / _W
 _ENDS = (np.array([[0.0], [1.0]]) ** np.arange(ORDER)) @ np.linalg.inv(_VANDERMONDE)  # rows: t = 0, t = 1
 
 
+@dataclass(frozen=True, eq=False)
+class Finer:
+    """Finer nodes within the panels of a mesh, and how masses at the mesh's nodes spread over them.
+
+    By each panel's polynomial: masses at the finer nodes of a panel are shares @ its own masses.
+    """
+
+    parts: Sequence[tuple[NDArray[np.intp], Array, Array]]
+
+    def spread(self, masses: Array) -> tuple[Array, Array]:
+        """The finer nodes and their masses (F,), from masses at the mesh's nodes (K,)."""
+        by_panel = masses.reshape(-1, ORDER)
+        nodes = np.concatenate([x.ravel() for _, x, _ in self.parts])
+        return nodes, np.concatenate([(by_panel[p] @ shares.T).ravel() for p, _, shares in self.parts])
+
+    def averaged(self, f: Callable[[Array], Array], size: int) -> Array:
+        """What the values f(x) (X, ...) come to at each of the mesh's nodes (size, ...)."""
+        out: Array | None = None
+        for panels, x, shares in self.parts:
+            values = f(x.ravel())
+            values = values.reshape(*x.shape, -1)  # (N, F, rest)
+            if out is None:
+                out = np.empty((size // ORDER, ORDER, values.shape[-1]))
+            out[panels] = shares.T @ values
+        assert out is not None
+        return out.reshape(size, -1)
+
+
 def _lagrange(t: Array) -> Array:
     """Values at t of the polynomials that are one at one node and zero at the others (T, ORDER)."""
-    return np.asarray((t[:, None] ** np.arange(ORDER)) @ np.linalg.inv(_VANDERMONDE))
+    return np.asarray((t[:, None] ** np.arange(ORDER)) @ _COEFFICIENTS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,35 +162,25 @@ class Mesh:
             stacked.append(np.append(both, edge[-1]))
         return stacked[0], stacked[1], stacked[2]
 
-    def finer(self, scale: Array) -> tuple[Array, Array] | None:
-        """Nodes that resolve `scale` at every panel, and how masses at this mesh's nodes spread over them.
+    def finer(self, scale: Array) -> Finer | None:
+        """Nodes that resolve `scale` at every panel; None where the mesh's own do.
 
         Parameters
         ----------
         scale
             Length to resolve, at each node (K,).
-
-        Returns
-        -------
-        nodes, share
-            (F,) and (F, K): masses at the finer nodes are share @ masses, by each panel's
-            polynomial. None where the mesh resolves the scale as it is.
         """
-        cuts = np.ceil(np.diff(self.edges) / (1.2 * WIDTH * scale.reshape(-1, ORDER).min(axis=1))).astype(int)
+        cuts = np.ceil(np.diff(self.edges) / (KERNEL_WIDTH * scale.reshape(-1, ORDER).min(axis=1)))
         if (cuts <= 1).all():
             return None
-        cuts = np.clip(cuts, 1, 2000)
-        nodes, blocks = [], []
-        for panel, cut in enumerate(cuts):
-            t = ((np.arange(cut)[:, None] + _T) / cut).ravel()
-            blocks.append(_lagrange(t) * (np.tile(_W, cut) / cut)[:, None] / _W)
-            nodes.append(self._place(panel, t))
-        share = np.zeros((sum(len(b) for b in blocks), self.size))
-        row = 0
-        for panel, block in enumerate(blocks):
-            share[row : row + len(block), ORDER * panel : ORDER * (panel + 1)] = block
-            row += len(block)
-        return np.concatenate(nodes), share
+        cuts = np.clip(cuts, 1, MAX_CUTS).astype(int)
+        return Finer([self._finer(np.flatnonzero(cuts == cut), int(cut)) for cut in np.unique(cuts)])
+
+    def _finer(self, panels: NDArray[np.intp], cut: int) -> tuple[NDArray[np.intp], Array, Array]:
+        """Panels cut alike: the panels (N,), their finer nodes (N, F), and each panel's shares (F, ORDER)."""
+        t = ((np.arange(cut)[:, None] + _T) / cut).ravel()
+        shares = _lagrange(t) * (np.tile(_W, cut) / cut)[:, None] / _W
+        return panels, np.stack([self._place(int(p), t) for p in panels]), shares
 
     def _place(self, panel: int, t: Array) -> Array:
         """Points of a panel from their place t in [0, 1]."""
@@ -201,9 +225,9 @@ def split(pieces: Pieces, low: float, high: float, graded: bool, breaks: Sequenc
         edges.append(_next_edge(edges[-1], end, pieces))
     is_graded = [False] * (len(edges) - 1)
     if graded:
-        first = edges[1] - low
-        edges[1:1] = [low + first / GRADED_RATIO**k for k in range(GRADED_PANELS, 0, -1)]
-        is_graded = [True] * (GRADED_PANELS + 1) + is_graded[1:]
+        first = GRADED_SHARE * (edges[1] - low)
+        edges[1:1] = [low + first / GRADED_RATIO**k for k in range(GRADED_PANELS, -1, -1)]
+        is_graded = [True] * (GRADED_PANELS + 1) + is_graded
     return Mesh(np.array(edges), np.array(is_graded), low)
 
 

@@ -26,6 +26,8 @@ EDGE_MASS = 1e-6
 FAINT_EDGE_MASS = 1e-2
 """The same for configurations that are 1e13 times less probable than another: they hardly ever matter."""
 TINY = 1e-290
+EMPTY = 1e-9
+"""Share of a configuration's mass below which the ends of an axis need no readings."""
 MAX_ENTRIES = 4_000_000
 """Entries of a chart's largest table beyond which it is not refined further."""
 
@@ -109,10 +111,21 @@ class GroupBelief:
         key = (id(sensor), bool(past))
         if key not in self._channels:
             measured = sensor.property
-            meshes = [self.chart(self.sure_frame(measured)).meshes[measured]]
-            meshes += [self.chart(self.sure_frame(m, measured)).meshes[measured] for m in self.others(measured)]
-            self._channels[key] = NumberChannel(sensor, past, meshes)
+            frames = [self.sure_frame(measured), *(self.sure_frame(m, measured) for m in self.others(measured))]
+            meshes = [self._filled(frame, measured) for frame in frames]
+            own = self.chart(frames[0]).meshes[measured]
+            narrow = bool(self.touched - {measured})
+            corners = self.group.corners(measured)
+            self._channels[key] = NumberChannel(sensor, past, own, meshes, corners, narrow)
         return self._channels[key]
+
+    def _filled(self, frame: Frame, name: str) -> Mesh:
+        """The panels of an axis that hold something in any configuration."""
+        mesh = self.chart(frame).meshes[name]
+        masses = self.mass(frame, name).values.reshape(-1, mesh.size)
+        share = (masses / np.maximum(masses.sum(axis=1, keepdims=True), TINY)).max(axis=0)
+        held = np.flatnonzero(share > EMPTY)
+        return mesh.between(int(held[0]) // ORDER, int(held[-1]) // ORDER + 1)
 
     def given(self, channel: NumberChannel) -> Table:
         """p(reading | configuration of the parents) x weights (configuration..., outcome)."""

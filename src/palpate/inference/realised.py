@@ -102,16 +102,15 @@ def _reweighted(before: ExactBelief, after: ExactBelief, measured: str, target: 
     mesh = home.chart(frame).meshes[measured]
     sensor = before.network.actions[after.evidence[-1].action].sensor
     assert not isinstance(sensor, ConfusionSensor)
+    # Scaled by its peak under the belief after, near which all that counts lies.
+    peak = float(_log_likelihood(before, after, measured, after.mesh(measured).nodes).max())
     finer = mesh.finer(sensor.scale(mesh.nodes, getattr(after.evidence[-1].outcome, "sd", None)))
-    likelihood = _likelihood(before, after, measured, mesh.nodes if finer is None else finer[0])
-    new = np.maximum(joint @ (likelihood if finer is None else likelihood @ finer[1]), 0.0)
+    if finer is None:
+        likelihood = np.exp(_log_likelihood(before, after, measured, mesh.nodes) - peak)
+    else:
+        likelihood = finer.averaged(lambda x: np.exp(_log_likelihood(before, after, measured, x) - peak), mesh.size)[:, 0]
+    new = np.maximum(joint @ likelihood, 0.0)
     return kl_bits(new / new.sum(), joint.sum(axis=-1))
-
-
-def _likelihood(before: ExactBelief, after: ExactBelief, measured: str, x: Array) -> Array:
-    """p(last reading | value x, readings before), scaled to maximum 1, of the shape of x."""
-    log_p = _log_likelihood(before, after, measured, x)
-    return np.asarray(np.exp(log_p - log_p.max()))
 
 
 def _over_chart(before: ExactBelief, after: ExactBelief, measured: str, target: Target, members: tuple[str, ...]) -> float:
@@ -120,7 +119,8 @@ def _over_chart(before: ExactBelief, after: ExactBelief, measured: str, target: 
     frame = home.sure_frame(*(m for m in members if m in home.group.members))
     axes = (*frame.axes, *(m for m in members if m not in frame.axes))
     joint = before.with_nodes(axes, target.categorical)
-    values = Table(_likelihood(before, after, measured, home.values(frame, measured)), frame.axes)
+    log_p = _log_likelihood(before, after, measured, home.values(frame, measured))
+    values = Table(np.exp(log_p - log_p.max()), frame.axes)
     out = (*members, *target.categorical)
     new = contract((joint, values), out).values
     return kl_bits(new / new.sum(), joint.sum_to(out).values)

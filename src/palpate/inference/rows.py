@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,39 +26,43 @@ class Rows:
     ----------
     values
         (rows, states of each of `names`...); the rows of each objective sum to one.
-    starts
-        First row of each objective (O,).
-    place
-        Objective's number to its place among the stacked ones.
+    places
+        Objective's number to its rows, in the order in which they are stacked.
     sum_p_log_p
-        Of each objective's row totals (O,) [nats].
+        Of each objective's row totals [nats].
     """
 
     values: Array
     names: tuple[str, ...]
-    starts: NDArray[np.intp]
-    place: Mapping[int, int]
-    sum_p_log_p: Array
+    places: Mapping[int, slice]
+    sum_p_log_p: Mapping[int, float]
 
-    def over(self, names: tuple[str, ...]) -> Array:
-        """The rows with some of the categorical properties only, as a matrix (rows, configurations)."""
+    def over(self, names: tuple[str, ...], objectives: Iterable[int]) -> tuple[Array, dict[int, int]]:
+        """The rows of some objectives with some of the categorical properties, and where each begins.
+
+        Returns
+        -------
+        matrix, starts
+            (rows, configurations); objective's number to its first row.
+        """
+        wanted = set(objectives)
+        chosen = [i for i in self.places if i in wanted]
+        rows = slice(self.places[chosen[0]].start, self.places[chosen[-1]].stop)
         drop = tuple(i + 1 for i, n in enumerate(self.names) if n not in names)
-        values = self.values.sum(axis=drop) if drop else self.values
-        return values.reshape(len(values), -1)
-
-    def per_objective(self, values: Array) -> Array:
-        """Sums over each objective's rows (O,)."""
-        return np.asarray(np.add.reduceat(values, self.starts))
+        values = self.values[rows].sum(axis=drop) if drop else self.values[rows]
+        between = [i for i in self.places if rows.start <= self.places[i].start < rows.stop]
+        return values.reshape(len(values), -1), {i: self.places[i].start - rows.start for i in between}
 
 
 def stacked(view: Trimmed, targets: Mapping[int, Target], names: tuple[str, ...]) -> Rows:
     """The rows of all objectives, each with the categorical properties `names`."""
     blocks = [_block(view, target, names) for target in targets.values()]
     values = np.concatenate(blocks) if len(blocks) > 1 else blocks[0]
-    starts = np.cumsum([0, *(len(b) for b in blocks[:-1])])
+    ends = [0, *accumulate(len(b) for b in blocks)]
     totals = values.reshape(len(values), -1).sum(axis=1)
-    logs = np.add.reduceat(totals * np.log(np.maximum(totals, TINY)), starts)
-    return Rows(values, names, starts, {i: k for k, i in enumerate(targets)}, logs)
+    logs = np.add.reduceat(totals * np.log(np.maximum(totals, TINY)), ends[:-1]).tolist()
+    places = {i: slice(*ends[k : k + 2]) for k, i in enumerate(targets)}
+    return Rows(values, names, places, dict(zip(targets, logs, strict=True)))
 
 
 def _block(view: Trimmed, target: Target, names: tuple[str, ...]) -> Array:

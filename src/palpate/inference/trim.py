@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import prod
 from typing import TYPE_CHECKING
 
@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from palpate.errors import EvidenceError
 from palpate.inference.channels import OUTCOME, NumberChannel
 from palpate.inference.chart import Frame
-from palpate.inference.mesh import ORDER
 from palpate.inference.readings import GroupBelief
 from palpate.inference.targets import Target
-from palpate.inference.tensors import Table, contract
+from palpate.inference.tensors import Table, contract, product
 
 if TYPE_CHECKING:
     from palpate.inference.exact import ExactBelief
@@ -25,11 +24,12 @@ __all__ = ["Trimmed", "per_mass"]
 Array = NDArray[np.float64]
 Names = tuple[str, ...]
 
-FAINT = 1e-8
-"""Panels of nodes less probable than this are left out of gains."""
+FAINT = 3e-8
+"""Nodes at the ends of an axis less probable than this are left out of gains."""
 FAINT_STATE = 1e-13
 """States less probable than this are left out: what is left agrees with the whole to 1e-11 bits."""
 NO_MASS = 1e-280
+ALL = slice(None)
 MAX_ENTRIES = 50_000_000
 """Largest joint table of an objective's nodes and categorical properties."""
 
@@ -50,6 +50,7 @@ class Trimmed:
                 joint = joint.take(kept, axis=i)
         self._joint = Table(joint, self.axes)
         self._joints: dict[tuple[Names, Names], Table] = {}
+        self._ranges: dict[tuple[Names, str], slice] = {}
         self._factors: dict[tuple[Names, Names], tuple[Table, ...]] = {}
 
     def home(self, name: str) -> GroupBelief:
@@ -63,6 +64,8 @@ class Trimmed:
 
     def kept(self, table: Table) -> Table:
         """A table without the states that are left out."""
+        if not self._keep:
+            return table
         values = table.values
         for i, name in enumerate(table.names):
             if name in self._keep:
@@ -75,17 +78,34 @@ class Trimmed:
 
     def joint(self, members: Names, names: Names) -> Table:
         """Joint of the nodes of continuous properties and of categorical properties."""
+        if not members:
+            return self.categorical(names)
         key = (members, names)
         if key not in self._joints:
-            self._check_size(members, names)
-            self._joints[key] = contract(self._spread(members, names), (*members, *names))
+            self._joints[key] = self._one(*members, names) if len(members) == 1 else self._several(members, names)
         return self._joints[key]
+
+    def _one(self, member: str, names: Names) -> Table:
+        """The joint of one continuous property: its group keeps the mass along it per configuration."""
+        group = self.home(member)
+        frame = group.sure_frame(member)
+        weights = per_mass(self._with_parents(names, [group]), self.kept(group.mass(frame)))
+        mass = self._cut(group.mass(frame, member), {member: self._nodes(group, frame, member)})
+        return product(weights, mass, (member, *names))
+
+    def _several(self, members: Names, names: Names) -> Table:
+        self._check_size(members, names)
+        return contract(self._spread(members, names), (*members, *names))
+
+    def _with_parents(self, names: Iterable[str], groups: Iterable[GroupBelief]) -> Table:
+        """Joint of categorical properties and of the parents of groups."""
+        return self.categorical(self.ordered({*names, *(p for g in groups for p in g.group.parents)}))
 
     def _spread(self, members: Names, names: Names) -> list[Table]:
         """Tables whose product, summed to members and names, is their joint probability."""
         homes = sorted({self.belief.parts.home[m] for m in members})
         groups = [self.belief.groups[h] for h in homes]
-        weights = self.categorical(self.ordered({*names, *(p for g in groups for p in g.group.parents)}))
+        weights = self._with_parents(names, groups)
         tables: list[Table] = []
         for home, group in zip(homes, groups, strict=True):
             own = tuple(m for m in members if self.belief.parts.home[m] == home)
@@ -116,28 +136,26 @@ class Trimmed:
         measured = channel.sensor.property
         if not home.touched or measured not in frame.axes:
             return tuple(self.kept(t) for t in home.through(frame, channel))
-        first, last = self._panels(home, frame, measured)
-        table = channel.table(home.chart(frame).meshes[measured])[first * ORDER : last * ORDER]
+        table = channel.table(home.chart(frame).meshes[measured])[self._nodes(home, frame, measured)]
         return (*self._trimmed(home, frame, frame.axes), Table(table, (measured, OUTCOME)))
 
     def _trimmed(self, group: GroupBelief, frame: Frame, axes: Names) -> tuple[Table, ...]:
         key = (frame.axes, axes)
         if key not in self._factors:
-            ranges = {name: self._panels(group, frame, name) for name in frame.axes}
+            ranges = {name: self._nodes(group, frame, name) for name in frame.axes}
             self._factors[key] = tuple(self._cut(t, ranges) for t in group.reduced(frame, *axes))
         return self._factors[key]
 
-    def _cut(self, table: Table, ranges: dict[str, tuple[int, int]]) -> Table:
-        index = tuple(
-            slice(ranges[n][0] * ORDER, ranges[n][1] * ORDER) if n in ranges else slice(None) for n in table.names
-        )
-        return Table(np.ascontiguousarray(self.kept(Table(table.values[index], table.names)).values), table.names)
+    def _cut(self, table: Table, ranges: Mapping[str, slice]) -> Table:
+        return self.kept(Table(table.values[tuple(ranges.get(n, ALL) for n in table.names)], table.names))
 
-    def _panels(self, group: GroupBelief, frame: Frame, name: str) -> tuple[int, int]:
-        """First panel and end of those of an axis that matter."""
-        masses = self.belief.axis_masses(group, frame, name).reshape(-1, ORDER).sum(axis=1)
-        held = np.flatnonzero(masses > FAINT)
-        return int(held[0]), int(held[-1]) + 1
+    def _nodes(self, group: GroupBelief, frame: Frame, name: str) -> slice:
+        """The nodes of an axis that matter."""
+        key = (frame.axes, name)
+        if key not in self._ranges:
+            held = np.flatnonzero(self.belief.axis_masses(group, frame, name) > FAINT)
+            self._ranges[key] = slice(int(held[0]), int(held[-1]) + 1)
+        return self._ranges[key]
 
     def rows_size(self, targets: Iterable[Target], names: Names) -> int:
         """Entries of the rows of all targets with the named categorical properties, at most."""
@@ -160,7 +178,12 @@ class Trimmed:
 def per_mass(weights: Table, mass: Table) -> Table:
     """Weights over categorical properties divided by a chart's total per configuration; without mass 0."""
     held = mass.values > NO_MASS
-    inverse = np.divide(1.0, mass.values, out=np.zeros_like(mass.values), where=held)
+    if held.all():
+        inverse = 1.0 / mass.values
+    else:
+        inverse = np.divide(1.0, mass.values, out=np.zeros_like(mass.values), where=held)
+    if mass.names == weights.names:
+        return Table(weights.values * inverse, weights.names)
     shape = iter(inverse.shape)
     shaped = inverse.reshape([next(shape) if n in mass.names else 1 for n in weights.names])
     return Table(weights.values * shaped, weights.names)

@@ -20,8 +20,10 @@ Array = NDArray[np.float64]
 Readings = Sequence[tuple[NumberSensor, Sequence[NumberOutcome]]]
 """The readings of one property: per action its sensor and its outcomes."""
 
-REACH = 7.5
+REACH = 8.0
 """Scales from a reading beyond which its likelihood counts as nothing at first."""
+HEAVY_SHARP = 0.7
+"""A heavy-tailed likelihood's peak is sharper than its scale says."""
 SLACK = 1.2
 """A panel may be this much wider than asked for."""
 
@@ -86,10 +88,11 @@ def _pooled(sensor: NumberSensor, outcomes: Sequence[NumberOutcome]) -> list[tup
         precision = scales**-2.0
         values = np.array([np.sum(values * precision) / precision.sum()])
         scales = np.array([precision.sum() ** -0.5])
+    sharp = 1.0 if isinstance(sensor.noise, NormalNoise) else HEAVY_SHARP / len(readings) ** 0.5
     wide = np.hypot(scales, sensor.offset_sd)
     stretch = 1 + REACH * sensor.relative_sd
     return [
-        (float(v - REACH * w * stretch), float(v + REACH * w * stretch**2), float(w / stretch))
+        (float(v - REACH * w * stretch), float(v + REACH * w * stretch**2), float(sharp * w / stretch))
         for v, w in zip(values, wide, strict=True)
     ]
 
