@@ -23,20 +23,23 @@ STRETCH = 5 / 3
 """A mesh reaches this much further from the median, where conflicting evidence may push: ten SDs."""
 HEAVY_TAIL = 1e-7
 """The same for Student's t, whose far tail would make the mesh endless."""
-CORE = 3e-5
+CORE = 1e-7
 """Tail beyond which a density that is solved for need not be resolved given the others."""
 KEPT = 1e-3
 """Tail of the others beyond which that holds too."""
 KEPT_POINTS = 32
 ALONE = 0.7
 """How much finer a property's mesh is where nothing else is integrated over with it."""
+NARROW = 0.8
+POLYNOMIAL = 0.5
+"""How much finer a mesh is where noise is narrower than `NARROW` times the density's own scale."""
 GIVEN = 0.6
 """How much finer a derived property's mesh is than its spread given the others."""
 EDGED = 0.3
 """How much finer all meshes are where the input solved for is uniform: its ends fall within panels."""
 
 
-def base_mesh(prior: ContinuousProperty, given: Given | None = None) -> Mesh:
+def base_mesh(prior: ContinuousProperty, given: Given | None = None, noise: Given | None = None) -> Mesh:
     """The mesh for a property with densities of its own.
 
     Parameters
@@ -44,6 +47,8 @@ def base_mesh(prior: ContinuousProperty, given: Given | None = None) -> Mesh:
     given
         The length over which the density changes at a point given the chart's other axes; None
         where there are none that make it narrower.
+    noise
+        Scale of the noise of the property's own sensors at a point; None where there are none.
     """
     family = prior.family
     middle = np.asarray(family.quantile(np.array(0.5))).ravel()
@@ -54,12 +59,16 @@ def base_mesh(prior: ContinuousProperty, given: Given | None = None) -> Mesh:
     highs = np.minimum(highs, supports[1])
     finite = supports[np.isfinite(supports)]
     graded = bool(np.isfinite(supports[0]).any() and lows.min() == supports[0][np.isfinite(supports[0])].min())
-    if given is None:
-        pieces = Pieces(lows, highs, lambda x: ALONE * family.local_scale(x).ravel())
-    else:
-        least = float(_ends(family, KEPT)[0].min())
-        pieces = Pieces(lows, highs, lambda x: np.minimum(family.local_scale(x).ravel(), given(np.array([max(x, least)]))[0]))
-    return split(pieces, float(lows.min()), float(highs.max()), graded, sorted(set(finite.tolist())))
+    least = float(_ends(family, KEPT)[0].min())
+
+    def scales(x: float) -> Array:
+        own = np.broadcast_to(family.local_scale(x), family.low.shape).ravel()
+        if noise is not None:
+            # A narrower kernel is averaged over polynomials through the nodes, which asks for more of them.
+            own = np.where(noise(np.array([x]))[0] < NARROW * own, POLYNOMIAL * own, own)
+        return ALONE * own if given is None else np.minimum(own, given(np.array([max(x, least)]))[0])
+
+    return split(Pieces(lows, highs, scales), float(lows.min()), float(highs.max()), graded, sorted(set(finite.tolist())))
 
 
 def _ends(family: Family, tail: float) -> Array:
@@ -68,7 +77,11 @@ def _ends(family: Family, tail: float) -> Array:
 
 
 def derived_mesh(
-    derived: DerivedProperty, solved: str, bases: Mapping[str, ContinuousProperty], parents: Sequence[str]
+    derived: DerivedProperty,
+    solved: str,
+    bases: Mapping[str, ContinuousProperty],
+    parents: Sequence[str],
+    noise: Given | None = None,
 ) -> Mesh:
     """The mesh for a derived property in a chart that solves for one of its inputs.
 
@@ -78,7 +91,7 @@ def derived_mesh(
     ends = _derived_ends(derived, bases, parents)
     supports = {name: float(bases[name].family.low.min()) for name in derived.formula.variables}
     floor = float(derived.formula.evaluate(supports)) if np.isfinite(list(supports.values())).all() else np.nan
-    pieces = _pieces_given_others(derived, solved, bases)
+    pieces = _pieces_given_others(derived, solved, bases, noise)
     if np.isfinite(floor) and floor <= ends[0]:
         return split(pieces, floor, ends[1], True)
     return split(pieces, ends[0], ends[1], False)
@@ -98,7 +111,9 @@ def _derived_ends(
     return float(kept.min()), float(kept.max())
 
 
-def _pieces_given_others(derived: DerivedProperty, solved: str, bases: Mapping[str, ContinuousProperty]) -> Pieces:
+def _pieces_given_others(
+    derived: DerivedProperty, solved: str, bases: Mapping[str, ContinuousProperty], noise: Given | None
+) -> Pieces:
     family = bases[solved].family
     low, high = _ends(family, CORE)
     centre, scale = _centre_and_scale(family)
@@ -108,7 +123,9 @@ def _pieces_given_others(derived: DerivedProperty, solved: str, bases: Mapping[s
     at = [derived.formula.evaluate({**given, solved: x}) for x in (low, high, centre - scale / 2, centre + scale / 2)]
     lows, highs = np.minimum(at[0], at[1]).ravel(), np.maximum(at[0], at[1]).ravel()
     scales = GIVEN * np.abs(at[3] - at[2]).ravel()
-    return Pieces(lows, highs, lambda x: scales)
+    if noise is None:
+        return Pieces(lows, highs, lambda x: scales)
+    return Pieces(lows, highs, lambda x: np.where(noise(np.array([x]))[0] < NARROW * scales, POLYNOMIAL * scales, scales))
 
 
 def scale_given(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import combinations
 
 import numpy as np
@@ -61,11 +61,13 @@ class Group:
         solved = dict(frame.order)
         key = (name, tuple(sorted(solved.items())))
         if key not in self._meshes:
+            own = [s for s in self.sensors if s.property == name]
+            noise = partial(_noise, own) if own else None
             if name in self.bases:
-                self._meshes[key] = base_mesh(self.bases[name], self._given(frame, name))
+                self._meshes[key] = base_mesh(self.bases[name], self._given(frame, name), noise)
             else:
                 inputs = {x: self.bases[x] for x in self.derived[name].formula.variables}
-                self._meshes[key] = derived_mesh(self.derived[name], solved[name], inputs, self.parents)
+                self._meshes[key] = derived_mesh(self.derived[name], solved[name], inputs, self.parents, noise)
         return self._meshes[key]
 
     def _given(self, frame: Frame, name: str) -> Callable[[Array], Array] | None:
