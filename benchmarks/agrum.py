@@ -49,7 +49,16 @@ class Rival:
             shape = [self.bn.variable(p).domainSize() for p in parents]
             for at, row in zip(np.ndindex(*shape), rows, strict=True):
                 self.bn.cpt(child)[dict(zip(parents, map(int, at), strict=True))] = row.tolist()
-        self.engine: Any = gum.LazyPropagation(self.bn)
+        # An engine per question, its targets named once: naming them again would cost a new junction tree.
+        self.marginals, self.joints = (gum.LazyPropagation(self.bn) for _ in range(2))
+        for name in network.properties:
+            self.marginals.addTarget(name)
+        for parent in {action.sensor.property for action in network.actions.values()}:
+            for name in network.properties:
+                if name == parent:
+                    self.joints.addTarget(name)
+                else:
+                    self.joints.addJointTarget({name, parent})
         self.channels = {name: table for name, _, table in self._actions()}
 
     def _properties(self) -> Iterator[tuple[str, Sequence[str], Array]]:
@@ -91,12 +100,9 @@ class Rival:
 
     def update(self, evidence: Mapping[str, str | float]) -> dict[str, Array]:
         """All marginals given the evidence."""
-        self.engine.eraseAllTargets()
-        for name in self.network.properties:
-            self.engine.addTarget(name)
-        self.engine.setEvidence({a: self.observed(a, v) for a, v in evidence.items()})
-        self.engine.makeInference()
-        return {name: self.engine.posterior(name).toarray() for name in self.network.properties}
+        self.marginals.setEvidence({a: self.observed(a, v) for a, v in evidence.items()})
+        self.marginals.makeInference()
+        return {name: self.marginals.posterior(name).toarray() for name in self.network.properties}
 
     def decide(self, evidence: Mapping[str, str | float]) -> dict[tuple[str, str], float]:
         """Mutual information of every property and a second outcome of every action [bits].
@@ -105,15 +111,8 @@ class Rival:
         from the joint of the property and what the action measures.
         """
         measured = {a: action.sensor.property for a, action in self.network.actions.items()}
-        self.engine.eraseAllTargets()
-        for parent in set(measured.values()):
-            for name in self.network.properties:
-                if name == parent:
-                    self.engine.addTarget(name)
-                else:
-                    self.engine.addJointTarget({name, parent})
-        self.engine.setEvidence({a: self.observed(a, v) for a, v in evidence.items()})
-        self.engine.makeInference()
+        self.joints.setEvidence({a: self.observed(a, v) for a, v in evidence.items()})
+        self.joints.makeInference()
         gains = {}
         for action, parent in measured.items():
             for name in self.network.properties:
@@ -123,8 +122,8 @@ class Rival:
 
     def _joint(self, name: str, parent: str) -> Array:
         if name == parent:
-            return np.diag(self.engine.posterior(name).toarray())
-        joint = self.engine.jointPosterior({name, parent})
+            return np.diag(self.joints.posterior(name).toarray())
+        joint = self.joints.jointPosterior({name, parent})
         table = np.asarray(joint.toarray())
         # The axes of a tensor stand in the reverse order of its variables' names.
         return table if joint.names[0] == parent else table.T

@@ -35,7 +35,7 @@ class Posterior:
     Parameters
     ----------
     probabilities
-        Label to probability; labels the network does not know are spread (see `palpate.vectors`).
+        Label to probability; labels the network does not know are spread (see `palpate.network.vectors`).
     training_prior
         State to probability in the classifier's training data; uniform where it is None.
     temperature

@@ -1,0 +1,1 @@
+"""Belief given evidence: the exact engine, its meshes, and what it answers."""

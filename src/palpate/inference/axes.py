@@ -68,7 +68,9 @@ def base_mesh(prior: ContinuousProperty, given: Given | None = None, noise: Give
             own = np.where(noise(np.array([x]))[0] < NARROW * own, POLYNOMIAL * own, own)
         return ALONE * own if given is None else np.minimum(own, given(np.array([max(x, least)]))[0])
 
-    return split(Pieces(lows, highs, scales), float(lows.min()), float(highs.max()), graded, sorted(set(finite.tolist())))
+    return split(
+        Pieces(lows, highs, scales), float(lows.min()), float(highs.max()), graded, sorted(set(finite.tolist()))
+    )
 
 
 def _ends(family: Family, tail: float) -> Array:
@@ -125,7 +127,9 @@ def _pieces_given_others(
     scales = GIVEN * np.abs(at[3] - at[2]).ravel()
     if noise is None:
         return Pieces(lows, highs, lambda x: scales)
-    return Pieces(lows, highs, lambda x: np.where(noise(np.array([x]))[0] < NARROW * scales, POLYNOMIAL * scales, scales))
+    return Pieces(
+        lows, highs, lambda x: np.where(noise(np.array([x]))[0] < NARROW * scales, POLYNOMIAL * scales, scales)
+    )
 
 
 def scale_given(
@@ -161,7 +165,9 @@ def scale_given(
 def _centre_and_scale(family: Family) -> tuple[Array, Array]:
     """Median and width of each configuration (configurations,)."""
     q16, centre, q84 = np.moveaxis(np.asarray(family.quantile(np.array([0.16, 0.5, 0.84]))), -1, 0).reshape(3, -1)
-    own = np.array([np.broadcast_to(family.local_scale(float(c)), family.low.shape).flat[k] for k, c in enumerate(centre)])
+    own = np.array(
+        [np.broadcast_to(family.local_scale(float(c)), family.low.shape).flat[k] for k, c in enumerate(centre)]
+    )
     return centre, np.minimum(own, (q84 - q16) / 2) * (EDGED if isinstance(family, Uniform) else 1.0)
 
 

@@ -55,7 +55,9 @@ class Belief(Protocol):
     def marginal(self, property: str) -> CategoricalMarginal | ContinuousMarginal:
         """The belief about one property."""
 
-    def expected_gains(self, objectives: Sequence[Objective] | None = None, actions: Sequence[str] | None = None) -> Gains:
+    def expected_gains(
+        self, objectives: Sequence[Objective] | None = None, actions: Sequence[str] | None = None
+    ) -> Gains:
         """Expected information gain of actions about objectives [bits]."""
 
     def realised_gain(self, after: Self, objective: Objective) -> float | None:

@@ -140,9 +140,7 @@ class ExactBelief:
                 factor = factor * outcome.values
         return factor
 
-    def _regrouped(
-        self, home: int, measured: str, evidence: Sequence[Observation]
-    ) -> tuple[GroupBelief, ...]:
+    def _regrouped(self, home: int, measured: str, evidence: Sequence[Observation]) -> tuple[GroupBelief, ...]:
         old = self.groups[home]
         new = GroupBelief(old.group, {**old.readings, measured: self.readings(measured, evidence)})
         return (*self.groups[:home], new, *self.groups[home + 1 :])
@@ -154,11 +152,17 @@ class ExactBelief:
             if isinstance(seen.outcome, Reading | Above | Below):
                 by_action.setdefault(seen.action, []).append(seen.outcome)
         actions = ((self.network.actions[name], outcomes) for name, outcomes in by_action.items())
-        return [(a.sensor, o) for a, o in actions if not isinstance(a.sensor, ConfusionSensor) and a.sensor.property == measured]
+        return [
+            (a.sensor, o)
+            for a, o in actions
+            if not isinstance(a.sensor, ConfusionSensor) and a.sensor.property == measured
+        ]
 
     def outcomes_of(self, action: str) -> list[NumberOutcome]:
         """The readings and bounds of one action so far."""
-        return [o.outcome for o in self.evidence if o.action == action and isinstance(o.outcome, Reading | Above | Below)]
+        return [
+            o.outcome for o in self.evidence if o.action == action and isinstance(o.outcome, Reading | Above | Below)
+        ]
 
     def labels_of(self, action: str) -> list[str]:
         """The labels of one action so far."""
@@ -184,7 +188,9 @@ class ExactBelief:
         for name in properties:
             if not isinstance(self.network.property(name), CategoricalProperty):
                 categorical = choices(p.name for p in self.network.categorical)
-                raise EvidenceError(f"property {name!r} is not categorical and has no table of probabilities: {categorical}")
+                raise EvidenceError(
+                    f"property {name!r} is not categorical and has no table of probabilities: {categorical}"
+                )
         return self.categorical(properties).values
 
     def categorical(self, names: tuple[str, ...]) -> Table:
@@ -269,7 +275,9 @@ class ExactBelief:
 
     # -- questions --------------------------------------------------------------------------
 
-    def expected_gains(self, objectives: Sequence[Objective] | None = None, actions: Sequence[str] | None = None) -> Gains:
+    def expected_gains(
+        self, objectives: Sequence[Objective] | None = None, actions: Sequence[str] | None = None
+    ) -> Gains:
         """Expected information gain [bits] of actions about objectives.
 
         Mutual information of the action's outcome and the objective under the belief; never
@@ -289,7 +297,7 @@ class ExactBelief:
         >>> belief = palpate.ExactBelief(palpate.load_network("household"))
         >>> gains = belief.expected_gains(["material"])
         >>> max(gains, key=lambda action: gains[action]["material"])
-        'squeezing'
+        'mat-sound'
         """
         wanted = (*self.network.properties, EVERYTHING) if objectives is None else tuple(objectives)
         named = tuple(self.network.actions) if actions is None else tuple(actions)

@@ -111,7 +111,9 @@ def _through_configurations(view: Trimmed, answers: Sequence[_Answer]) -> None:
         return
     wanted = {i: a.targets[i] for a in waiting for i in a.open}
     names = view.ordered({p for a in waiting for p in a.parents})
-    sets = [names] if view.rows_size(wanted.values(), names) <= MAX_STACKED else [view.ordered(a.parents) for a in waiting]
+    sets = (
+        [names] if view.rows_size(wanted.values(), names) <= MAX_STACKED else [view.ordered(a.parents) for a in waiting]
+    )
     for parents in dict.fromkeys(sets):
         rows = stacked(view, wanted, parents)
         mine = [a for a in waiting if len(sets) == 1 or view.ordered(a.parents) == parents]

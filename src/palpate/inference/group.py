@@ -78,7 +78,9 @@ class Group:
                 return self.scale_given(axis, solved, name, lambda s, own=own: SHARP * _noise(own, s))  # type: ignore[misc]
         return None
 
-    def scale_given(self, axis: str, solved: str, name: str, noise: Callable[[Array], Array]) -> Callable[[Array], Array]:
+    def scale_given(
+        self, axis: str, solved: str, name: str, noise: Callable[[Array], Array]
+    ) -> Callable[[Array], Array]:
         """How narrow a density of its own is given a derived axis with evidence of some noise."""
         inputs = {x: self.bases[x] for x in self.derived[axis].formula.variables}
         return scale_given(self.derived[axis], solved, name, inputs, noise)
@@ -97,7 +99,9 @@ class Group:
 
     def rank(self, names: Sequence[str]) -> int:
         """How many degrees of freedom some members have together."""
-        middle = {name: float(np.median(np.asarray(b.family.quantile(np.array(0.4))))) for name, b in self.bases.items()}
+        middle = {
+            name: float(np.median(np.asarray(b.family.quantile(np.array(0.4))))) for name, b in self.bases.items()
+        }
         step = {name: 1e-6 * max(abs(x), 1e-6) for name, x in middle.items()}
         slopes = np.zeros((len(names), len(self.bases)))
         for row, name in enumerate(names):
@@ -194,7 +198,9 @@ class Group:
     def _blunt(self, name: str, window: Window) -> bool:
         """Whether evidence on a member is no sharper than the other axes' meshes are made for."""
         own = [s for s in self.sensors if s.property == name]
-        return bool(own) and all(scale >= 0.9 * SHARP * _noise(own, np.array([low, high])).min() for low, high, scale in window.fine)
+        return bool(own) and all(
+            scale >= 0.9 * SHARP * _noise(own, np.array([low, high])).min() for low, high, scale in window.fine
+        )
 
     def _master_mesh(self, frame: Frame, level: int) -> Mesh:
         """The prior mesh of the last axis cut so that it resolves its sensors; finer by halves at each level."""

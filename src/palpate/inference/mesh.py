@@ -142,7 +142,7 @@ class Mesh:
         return ORDER * (len(self.edges) - 1)
 
     def cumulative(self, masses: Array) -> tuple[Array, Array]:
-        """Distribution function of masses (..., K) that sum to one: at the edges (..., P + 1), at the nodes (..., K)."""
+        """Distribution function of masses (..., K): at the edges (..., P + 1) and at the nodes (..., K)."""
         by_panel = masses.reshape(*masses.shape[:-1], -1, ORDER)
         totals = np.cumsum(by_panel.sum(axis=-1), axis=-1)
         at_edges = np.concatenate([np.zeros_like(totals[..., :1]), totals], axis=-1)

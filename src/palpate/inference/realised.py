@@ -108,12 +108,16 @@ def _reweighted(before: ExactBelief, after: ExactBelief, measured: str, target: 
     if finer is None:
         likelihood = np.exp(_log_likelihood(before, after, measured, mesh.nodes) - peak)
     else:
-        likelihood = finer.averaged(lambda x: np.exp(_log_likelihood(before, after, measured, x) - peak), mesh.size)[:, 0]
+        likelihood = finer.averaged(lambda x: np.exp(_log_likelihood(before, after, measured, x) - peak), mesh.size)[
+            :, 0
+        ]
     new = np.maximum(joint @ likelihood, 0.0)
     return kl_bits(new / new.sum(), joint.sum(axis=-1))
 
 
-def _over_chart(before: ExactBelief, after: ExactBelief, measured: str, target: Target, members: tuple[str, ...]) -> float:
+def _over_chart(
+    before: ExactBelief, after: ExactBelief, measured: str, target: Target, members: tuple[str, ...]
+) -> float:
     """The same where the measured property is no axis beside the members: over all of the group's chart."""
     home = before.groups[before.parts.home[measured]]
     frame = home.sure_frame(*(m for m in members if m in home.group.members))

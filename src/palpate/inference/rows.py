@@ -75,6 +75,8 @@ def _block(view: Trimmed, target: Target, names: tuple[str, ...]) -> Array:
     for name in own:
         # A property that is both the row's and the column's: the diagonal of the two.
         axis = names.index(name)
-        diagonal = np.eye(shape[axis]).reshape([shape[axis], *(shape[axis] if i == axis else 1 for i in range(len(shape)))])
+        diagonal = np.eye(shape[axis]).reshape(
+            [shape[axis], *(shape[axis] if i == axis else 1 for i in range(len(shape)))]
+        )
         table = (table[:, None] * diagonal).reshape(-1, *shape)
     return table

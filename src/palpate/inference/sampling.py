@@ -63,7 +63,7 @@ def _draw_group(belief: GroupBelief, states: dict[str, Index], n: int, rng: np.r
 
 def _own(values: Array, states: tuple[Index, ...]) -> Array:
     """From (configurations..., n) the entry of each draw's own configuration (n,)."""
-    return values[(*states, np.arange(values.shape[-1]))]
+    return np.asarray(values[(*states, np.arange(values.shape[-1]))])
 
 
 def _propose(
@@ -98,7 +98,7 @@ def _choose(rows: Array, configurations: Index, rng: np.random.Generator) -> Ind
         here = configurations == row
         below = np.cumsum(rows[row])
         cells[here] = np.searchsorted(below, rng.random(int(here.sum())) * below[-1])
-    return np.minimum(cells, rows.shape[-1] - 1)
+    return np.asarray(np.minimum(cells, rows.shape[-1] - 1))
 
 
 def _cell(mesh: Mesh, index: Index) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from math import prod
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Table", "contract", "product"]
+__all__ = ["Table", "contract", "letters", "product"]
 
 Array = NDArray[np.float64]
 Names = tuple[str, ...]
@@ -48,7 +48,7 @@ class _Plan:
     summed: int
     first_a: bool
     first_b: bool
-    subscripts: tuple[list[int], list[int], list[int]]
+    subscripts: str
     order_out: tuple[int, ...]
 
 
@@ -60,8 +60,7 @@ def _plan(a: Names, b: Names, out: Names) -> _Plan:
     batch = [n for n in out if n in a and n in b]
     free_a, free_b = [n for n in a if n not in b], [n for n in b if n not in a]
     summed = [n for n in b if n in a and n not in out]
-    number = {n: i for i, n in enumerate(dict.fromkeys(a + b))}
-    subscripts = ([number[n] for n in a], [number[n] for n in b], [number[n] for n in out])
+    subscripts = letters(a, b, out)
     if summed and batch:
         return _Plan(drop_a, drop_b, "einsum", (), (), 0, False, False, subscripts, ())
     if not summed:
@@ -74,6 +73,18 @@ def _plan(a: Names, b: Names, out: Names) -> _Plan:
     made = [*free_a, *free_b]
     order_out = tuple(made.index(n) for n in out)
     return _Plan(drop_a, drop_b, "matmul", order_a, order_b, len(summed), first_a, first_b, subscripts, order_out)
+
+
+def letters(a: Names, b: Names, out: Names) -> str:
+    """Subscripts for `numpy.einsum`: a letter per name.
+
+    Examples
+    --------
+    >>> letters(("mass", "density"), ("density",), ("mass",))
+    'ab,b->a'
+    """
+    letter = {n: chr(ord("a") + i) for i, n in enumerate(dict.fromkeys(a + b))}
+    return ",".join("".join(letter[n] for n in names) for names in (a, b)) + "->" + "".join(letter[n] for n in out)
 
 
 def _shaped(values: Array, order: tuple[int, ...]) -> Array:
@@ -90,8 +101,7 @@ def product(a: Table, b: Table, out: Names) -> Table:
     if plan.kind == "multiply":
         return Table(_shaped(x, plan.order_a) * _shaped(y, plan.order_b), out)
     if plan.kind == "einsum":
-        in_a, in_b, made = plan.subscripts
-        return Table(np.einsum(x, in_a, y, in_b, made), out)
+        return Table(np.asarray(np.einsum(plan.subscripts, x, y)), out)
     x, y, n = x.transpose(plan.order_a), y.transpose(plan.order_b), plan.summed
     free_a = x.shape[n:] if plan.first_a else x.shape[: x.ndim - n]
     free_b = y.shape[n:] if plan.first_b else y.shape[: y.ndim - n]
@@ -120,7 +130,9 @@ def contract(tables: Sequence[Table], out: Names) -> Table:
 
 
 @lru_cache(maxsize=4096)
-def _path(names: tuple[Names, ...], shapes: tuple[tuple[int, ...], ...], out: Names) -> tuple[tuple[int, int, Names], ...]:
+def _path(
+    names: tuple[Names, ...], shapes: tuple[tuple[int, ...], ...], out: Names
+) -> tuple[tuple[int, int, Names], ...]:
     """Which two tables to multiply next, and what names to keep: greedily the cheapest pair, j before i."""
     size = {n: s for ns, shape in zip(names, shapes, strict=True) for n, s in zip(ns, shape, strict=True)}
     left, path = list(names), list[tuple[int, int, Names]]()

@@ -164,8 +164,8 @@ class Trimmed:
     def _size(self, members: Names, names: Iterable[str]) -> int:
         sizes = dict(zip(self.axes, self._joint.values.shape, strict=True))
         homes = [self.home(m) for m in members]
-        nodes = prod(h.chart(h.sure_frame(m)).meshes[m].size for h, m in zip(homes, members, strict=True))
-        return nodes * prod(sizes[n] for n in names)
+        nodes = [h.chart(h.sure_frame(m)).meshes[m].size for h, m in zip(homes, members, strict=True)]
+        return prod([*nodes, *(sizes[n] for n in names)])
 
     def _check_size(self, members: Names, names: Names) -> None:
         if (size := self._size(members, names)) > MAX_ENTRIES:

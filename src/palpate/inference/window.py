@@ -55,7 +55,8 @@ class Window:
     def panels(self, mesh: Mesh) -> tuple[int, int] | None:
         """First panel and end of the panels that hold the window; None where the mesh ends within it."""
         end = len(mesh.edges) - 1
-        first, last = int(np.searchsorted(mesh.edges, self.low, "right")) - 1, int(np.searchsorted(mesh.edges, self.high))
+        first = int(np.searchsorted(mesh.edges, self.low, "right")) - 1
+        last = int(np.searchsorted(mesh.edges, self.high))
         if self.low < mesh.edges[0]:
             first = 0 if mesh.graded[0] else -1
         if np.isinf(self.high):
@@ -65,13 +66,14 @@ class Window:
     def resolved(self, mesh: Mesh, first: int, last: int) -> bool:
         """Whether the panels resolve the window's fine intervals."""
         low, high = mesh.edges[first:last], mesh.edges[first + 1 : last + 1]
-        return all(
-            bool((((high - low) <= SLACK * WIDTH * scale) | (high <= a) | (low >= b)).all()) for a, b, scale in self.fine
-        )
+        narrow = [(high - low) <= SLACK * WIDTH * scale for *_, scale in self.fine]
+        beyond = [(high <= a) | (low >= b) for a, b, _ in self.fine]
+        return bool((np.array(narrow) | np.array(beyond)).all())
 
     def wider(self, at_low: bool, at_high: bool) -> Window:
         """Wider at one end or both, by a quarter of the widest interval to resolve or of the window."""
-        width = max([f[1] - f[0] for f in self.fine] + [self.high - self.low if np.isfinite(self.high - self.low) else 0.0])
+        widths = [high - low for low, high, _ in self.fine] + [self.high - self.low]
+        width = max(w for w in widths if np.isfinite(w))
         return Window(self.low - at_low * width / 4, self.high + at_high * width / 4, self.fine)
 
 

@@ -34,7 +34,7 @@ class LookAhead:
     def __post_init__(self) -> None:
         """Refuse a depth that is none."""
         if self.depth < 1:
-            raise EvidenceError(f"a look-ahead of depth {self.depth!r} was asked for, expected a whole number of at least 1")
+            raise EvidenceError(f"a look-ahead of depth {self.depth!r} was asked for, expected at least 1")
 
     def choose(self, choice: Choice) -> str:
         """Return the action with the largest value; the first of the network's order among equals."""

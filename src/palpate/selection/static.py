@@ -24,7 +24,7 @@ class StaticSet:
 
     def __init__(self, size: int) -> None:
         if size < 1:
-            raise EvidenceError(f"a static set of {size!r} actions was asked for, expected a whole number of at least 1")
+            raise EvidenceError(f"a static set of {size!r} actions was asked for, expected at least 1")
         self.size = size
         self._chosen: tuple[str, ...] = ()
 
