@@ -25,7 +25,7 @@ HEAVY_TAIL = 1e-7
 """The same for Student's t, whose far tail would make the mesh endless."""
 CORE = 1e-7
 """Tail beyond which a density that is solved for need not be resolved given the others."""
-KEPT = 1e-3
+KEPT = 1e-4
 """Tail of the others beyond which that holds too."""
 KEPT_POINTS = 32
 ALONE = 0.7

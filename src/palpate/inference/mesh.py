@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 ORDER = 6
 WIDTH = 4.0
-GRADED_PANELS = 3
+GRADED_PANELS = 4
 GRADED_RATIO = 10.0
 KERNEL_WIDTH = 3.0
 """Scales of a kernel that a panel may be wide for the kernel to be summed over the panel's nodes."""
@@ -199,6 +199,18 @@ class Mesh:
     def between(self, first: int, last: int) -> Mesh:
         """The mesh of panels first to last - 1."""
         return Mesh(self.edges[first : last + 1], self.graded[first:last], self.origin)
+
+    def longer(self, low: float, high: float) -> Mesh:
+        """The mesh reaching half as far again at each end, within [low, high], by panels as wide as the last."""
+        steps = np.diff(self.edges)
+        count = int(np.ceil((self.edges[-1] - self.edges[0]) / 2 / steps[-1]))
+        after = self.edges[-1] + steps[-1] * np.arange(1, count + 1)
+        before = self.edges[0] - steps[0] * np.arange(count, 0, -1) if self.edges[0] > low else np.empty(0)
+        edges = np.concatenate([before[before > low], self.edges, after[after < high]])
+        graded = np.zeros(len(edges) - 1, dtype=bool)
+        start = int((before > low).sum())
+        graded[start : start + len(self.graded)] = self.graded
+        return Mesh(edges, graded, self.origin)
 
     def halved(self) -> Mesh:
         """Every panel cut in two."""

@@ -26,6 +26,7 @@ EDGE_MASS = 1e-6
 FAINT_EDGE_MASS = 1e-2
 """The same for configurations that are 1e13 times less probable than another: they hardly ever matter."""
 TINY = 1e-290
+ALL = slice(None)
 EMPTY = 1e-9
 """Share of a configuration's mass below which the ends of an axis need no readings."""
 MAX_ENTRIES = 4_000_000
@@ -67,7 +68,10 @@ class GroupBelief:
     def chart(self, frame: Frame) -> Chart:
         """The chart over some axes."""
         if frame.axes not in self._charts:
-            self._charts[frame.axes] = self._made(frame)
+            chart = self._made(frame)
+            while self.touched and (longer := self._longer(frame, chart)):
+                chart = self._fresh(frame, {**chart.meshes, **longer})
+            self._charts[frame.axes] = chart
         return self._charts[frame.axes]
 
     def factors(self, frame: Frame) -> tuple[Table, ...]:
@@ -198,6 +202,29 @@ class GroupBelief:
                 return chart.with_likelihood(self.log_likelihood(last, chart.meshes[last].nodes))
         chart = self._fresh(frame, {name: self._mesh(frame, name) for name in frame.axes})
         return self._refined(frame, chart) if self.touched - set(frame.axes) else chart
+
+    def _longer(self, frame: Frame, chart: Chart) -> dict[str, Mesh]:
+        """Meshes that reach further, of axes without evidence that end where conflicting evidence pushes."""
+        if chart.tables[-1].values.size > MAX_ENTRIES / 4:
+            return {}
+        total = contract(chart.reduced, self.group.parents).values
+        grown = {}
+        for name in (n for n in frame.axes if n not in self.touched and len(frame.axes) > 1):
+            mesh, (low, high) = chart.meshes[name], self.group.support(name)
+            ends = [
+                s
+                for s, open_ in ((slice(-ORDER, None), mesh.edges[-1] < high), (slice(ORDER), mesh.edges[0] > low))
+                if open_
+            ]
+            if any(self._at(chart, name, end, total) for end in ends):
+                grown[name] = mesh.longer(low, high)
+        return grown
+
+    def _at(self, chart: Chart, name: str, end: slice, total: Array) -> bool:
+        """Whether a configuration that counts has mass at an end of an axis."""
+        cut = [Table(t.values[tuple(end if n == name else ALL for n in t.names)], t.names) for t in chart.reduced]
+        mass = contract(cut, self.group.parents).values
+        return bool((mass > np.where(total > total.max() * 1e-13, EDGE_MASS, FAINT_EDGE_MASS) * total + TINY).any())
 
     def _fresh(self, frame: Frame, meshes: Mapping[str, Mesh]) -> Chart:
         values, _ = frame.values(frame.tensor(meshes))

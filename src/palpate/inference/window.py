@@ -24,6 +24,8 @@ REACH = 8.0
 """Scales from a reading beyond which its likelihood counts as nothing at first."""
 HEAVY_SHARP = 0.7
 """A heavy-tailed likelihood's peak is sharper than its scale says."""
+GAP_SCALES = 4000
+"""Most scales to resolve between the prior and a reading far from it."""
 SLACK = 1.2
 """A panel may be this much wider than asked for."""
 
@@ -123,8 +125,15 @@ def resolve(prior: Mesh, window: Window, support: tuple[float, float], whole: bo
     low, high = max(window.low, support[0]), min(window.high, support[1])
     if not low < high:  # the whole likelihood lies beyond the support: its tail decides
         low, high = support[0], min(support[1], float(prior.edges[-1]))
+    # A bound beyond the prior's mesh leaves a half line of which only the beginning is likely.
+    if np.isinf(high) and low >= prior.edges[-1]:
+        high = max(end for _, end, _ in window.fine)
+    if np.isinf(low) and high <= prior.edges[0]:
+        low = min(start for start, _, _ in window.fine)
     edges, graded = _extended(prior, low, high)
-    if not whole:
+    if whole:  # between the prior's mesh and a reading far from it lies what the two agree on
+        window = Window(window.low, window.high, window.fine + _between(prior, edges, window))
+    else:
         first = max(int(np.searchsorted(edges, low, side="right")) - 1, 0)
         last = min(int(np.searchsorted(edges, high, side="left")), len(edges) - 1)
         edges, graded = edges[first : last + 1].copy(), graded[first:last]
@@ -134,6 +143,20 @@ def resolve(prior: Mesh, window: Window, support: tuple[float, float], whole: bo
         if not graded[-1]:
             edges[-1] = min(edges[-1], high)
     return _cut(edges, graded, window, prior.origin, ALONE if whole else 1.0)
+
+
+def _between(prior: Mesh, edges: Array, window: Window) -> tuple[tuple[float, float, float], ...]:
+    """The stretches added to the prior's mesh, to be resolved like the sharper of prior and evidence."""
+    least = min((scale for *_, scale in window.fine), default=np.inf)
+    found = []
+    for low, high, panel in (
+        (edges[0], prior.edges[0], prior.edges[:2]),
+        (prior.edges[-1], edges[-1], prior.edges[-2:]),
+    ):
+        if low < high:
+            scale = min(least, float(np.diff(panel)[0]) / WIDTH)
+            found.append((float(low), float(high), max(scale, float(high - low) / GAP_SCALES)))
+    return tuple(found)
 
 
 def _extended(prior: Mesh, low: float, high: float) -> tuple[Array, NDArray[np.bool_]]:
