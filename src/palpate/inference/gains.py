@@ -42,7 +42,7 @@ def expected_gains(belief: ExactBelief, objectives: Sequence[Objective], actions
     nats = {name: _Answer(view, name, targets) for name in actions}
     _through_configurations(view, list(nats.values()))
     return {
-        name: dict(zip(objectives, (max(0.0, float(x)) / LN2 for x in answer.nats), strict=True))
+        name: dict(zip(objectives, (np.maximum(answer.nats, 0.0) / LN2).tolist(), strict=True))
         for name, answer in nats.items()
     }
 

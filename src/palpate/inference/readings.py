@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,10 +69,10 @@ class GroupBelief:
     def chart(self, frame: Frame) -> Chart:
         """The chart over some axes."""
         if frame.axes not in self._charts:
-            chart = self._made(frame)
-            while self.touched and (longer := self._longer(frame, chart)):
-                chart = self._fresh(frame, {**chart.meshes, **longer})
-            self._charts[frame.axes] = chart
+            self._charts[frame.axes] = self._made(frame)
+            while self.touched and (longer := self._longer(frame)):
+                self._charts[frame.axes] = self._fresh(frame, {**self._charts[frame.axes].meshes, **longer})
+                self._masses = {key: mass for key, mass in self._masses.items() if key[0] != frame.axes}
         return self._charts[frame.axes]
 
     def factors(self, frame: Frame) -> tuple[Table, ...]:
@@ -203,28 +204,29 @@ class GroupBelief:
         chart = self._fresh(frame, {name: self._mesh(frame, name) for name in frame.axes})
         return self._refined(frame, chart) if self.touched - set(frame.axes) else chart
 
-    def _longer(self, frame: Frame, chart: Chart) -> dict[str, Mesh]:
+    def _longer(self, frame: Frame) -> dict[str, Mesh]:
         """Meshes that reach further, of axes without evidence that end where conflicting evidence pushes."""
+        chart = self._charts[frame.axes]
+        grown: dict[str, Mesh] = {}
         if chart.tables[-1].values.size > MAX_ENTRIES / 4:
-            return {}
-        total = contract(chart.reduced, self.group.parents).values
-        grown = {}
+            return grown
         for name in (n for n in frame.axes if n not in self.touched and len(frame.axes) > 1):
             mesh, (low, high) = chart.meshes[name], self.group.support(name)
-            ends = [
-                s
-                for s, open_ in ((slice(-ORDER, None), mesh.edges[-1] < high), (slice(ORDER), mesh.edges[0] > low))
-                if open_
-            ]
-            if any(self._at(chart, name, end, total) for end in ends):
+            above = mesh.edges[-1] < high and self._held(frame, name, slice(-ORDER, None))
+            if above or (mesh.edges[0] > low and self._held(frame, name, slice(ORDER))):
                 grown[name] = mesh.longer(low, high)
         return grown
 
-    def _at(self, chart: Chart, name: str, end: slice, total: Array) -> bool:
+    def _held(self, frame: Frame, name: str, end: slice) -> bool:
         """Whether a configuration that counts has mass at an end of an axis."""
-        cut = [Table(t.values[tuple(end if n == name else ALL for n in t.names)], t.names) for t in chart.reduced]
+        tables = self._charts[frame.axes].reduced
+        cut = [Table(t.values[tuple(end if n == name else ALL for n in t.names)], t.names) for t in tables]
+        total = self.mass(frame).values
+        most, least = total.max(), EDGE_MASS * 1e-13
+        if prod(float(t.values.max()) for t in cut) * ORDER < least * most:
+            return False  # no configuration can: the common case, found without their tables
         mass = contract(cut, self.group.parents).values
-        return bool((mass > np.where(total > total.max() * 1e-13, EDGE_MASS, FAINT_EDGE_MASS) * total + TINY).any())
+        return bool((mass > np.where(total > most * 1e-13, EDGE_MASS, FAINT_EDGE_MASS) * total + TINY).any())
 
     def _fresh(self, frame: Frame, meshes: Mapping[str, Mesh]) -> Chart:
         values, _ = frame.values(frame.tensor(meshes))

@@ -24,12 +24,14 @@ __all__ = ["Trimmed", "per_mass"]
 Array = NDArray[np.float64]
 Names = tuple[str, ...]
 
-FAINT = 3e-8
+FAINT = 3e-7
 """Nodes at the ends of an axis less probable than this are left out of gains."""
 FAINT_STATE = 1e-13
 """States less probable than this are left out: what is left agrees with the whole to 1e-11 bits."""
 NO_MASS = 1e-280
 ALL = slice(None)
+SMALL = 400
+"""Joint states of the categorical properties up to which rows are never too many."""
 MAX_ENTRIES = 50_000_000
 """Largest joint table of an objective's nodes and categorical properties."""
 
@@ -49,6 +51,7 @@ class Trimmed:
                 self._keep[name] = kept
                 joint = joint.take(kept, axis=i)
         self._joint = Table(joint, self.axes)
+        self._orders: dict[frozenset[str], Names] = {}
         self._joints: dict[tuple[Names, Names], Table] = {}
         self._ranges: dict[tuple[Names, str], slice] = {}
         self._factors: dict[tuple[Names, Names], tuple[Table, ...]] = {}
@@ -59,8 +62,10 @@ class Trimmed:
 
     def ordered(self, names: Iterable[str]) -> Names:
         """Categorical properties in the network's order."""
-        chosen = set(names)
-        return tuple(n for n in self.axes if n in chosen)
+        chosen = frozenset(names)
+        if chosen not in self._orders:
+            self._orders[chosen] = tuple(n for n in self.axes if n in chosen)
+        return self._orders[chosen]
 
     def kept(self, table: Table) -> Table:
         """A table without the states that are left out."""
@@ -116,7 +121,7 @@ class Trimmed:
 
     def members(self, target: Target) -> Names:
         """The axes that stand for the target's continuous properties."""
-        return target.members(self.belief.groups)
+        return target.members(self.belief.groups) if target.whole else target.partial
 
     def beside(self, target: Target, channel: NumberChannel) -> Array:
         """Joint of an objective with members in the measured property's group, and of the reading (rows, Y)."""
@@ -159,6 +164,8 @@ class Trimmed:
 
     def rows_size(self, targets: Iterable[Target], names: Names) -> int:
         """Entries of the rows of all targets with the named categorical properties, at most."""
+        if self._joint.values.size <= SMALL:
+            return 0
         return sum(self._size(self.members(t), {*t.categorical, *names}) for t in targets)
 
     def _size(self, members: Names, names: Iterable[str]) -> int:

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 Readings = Sequence[tuple[NumberSensor, Sequence[NumberOutcome]]]
 """The readings of one property: per action its sensor and its outcomes."""
 
-REACH = 8.0
+REACH = 8.5
 """Scales from a reading beyond which its likelihood counts as nothing at first."""
 HEAVY_SHARP = 0.7
 """A heavy-tailed likelihood's peak is sharper than its scale says."""
