@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.inference.axes import base_mesh, derived_mesh, scale_given
+from palpate.inference.axes import ALONE, base_mesh, derived_mesh, scale_given
 from palpate.inference.chart import Chart, Frame, MasterChart
 from palpate.inference.mesh import Mesh
 from palpate.inference.window import Window, cut
@@ -195,6 +195,24 @@ class Group:
                 return self._masters[key].window(*panels)
         return None
 
+    def whole_chart(self, frame: Frame, window: Window) -> Chart | None:
+        """The chart without evidence of one density alone, on a mesh that resolves its sensors.
+
+        None where the evidence is sharper than the sensors, or lies beyond the mesh.
+        """
+        mesh = self._master_mesh(frame, 0)
+        if not self._blunt(frame.axes[-1], window) or any(
+            low > mesh.edges[-1] or high < mesh.edges[0] for low, high, _ in window.fine
+        ):
+            return None
+        if frame.axes not in self._wholes:
+            self._wholes[frame.axes] = frame.chart({frame.axes[-1]: mesh})
+        return self._wholes[frame.axes]
+
+    @cached_property
+    def _wholes(self) -> dict[Names, Chart]:
+        return {}
+
     def _blunt(self, name: str, window: Window) -> bool:
         """Whether evidence on a member is no sharper than the other axes' meshes are made for."""
         own = [s for s in self.sensors if s.property == name]
@@ -211,7 +229,8 @@ class Group:
             middles = (prior.edges[1:] + prior.edges[:-1]) / 2
             own = [s for s in self.sensors if s.property == name]
             least = prior.edges[-1] / MASTER_PANELS
-            scale = np.maximum(_noise(own, middles), least) if own else np.diff(prior.edges)
+            alone = SHARP * ALONE if len(frame.axes) == 1 else 1.0
+            scale = np.maximum(alone * _noise(own, middles), least) if own else np.diff(prior.edges)
             self._master_meshes[key] = cut(prior, scale) if level == 0 else self._master_mesh(frame, level - 1).halved()
         return self._master_meshes[key]
 

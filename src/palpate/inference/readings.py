@@ -197,8 +197,9 @@ class GroupBelief:
         last = frame.axes[-1]
         if not self.touched:
             return frame.prior(self.group.meshes(frame))
-        if self.touched == {last} and last in self.group.derived:
-            chart = self.group.window_chart(frame, self._windows[last])
+        if self.touched == {last} and (last in self.group.derived or len(frame.axes) == 1):
+            known = self.group.window_chart if last in self.group.derived else self.group.whole_chart
+            chart = known(frame, self._windows[last])
             if chart is not None:
                 return chart.with_likelihood(self.log_likelihood(last, chart.meshes[last].nodes))
         chart = self._fresh(frame, {name: self._mesh(frame, name) for name in frame.axes})
