@@ -90,7 +90,7 @@ def _summary(marginal: CategoricalMarginal | ContinuousMarginal) -> CategoricalS
 
 def _curve(marginal: ContinuousMarginal) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Thin the density: points where the mass is, and points in between for long flat stretches."""
-    nodes, density = marginal.nodes, marginal.density
+    nodes, density = marginal.curve
     # The trapezoid rule places points of equal mass well enough for a drawing, and at once.
     below = np.concatenate([[0.0], np.cumsum(np.diff(nodes) * (density[1:] + density[:-1]) / 2)])
     where_mass = np.interp(np.linspace(0.0005, 0.9995, CURVE_POINTS // 2) * below[-1], below, nodes)

@@ -55,6 +55,11 @@ class ContinuousMarginal:
         """Density at the nodes (K,) [1/unit]."""
         return np.asarray(self.masses / self.mesh.weights)
 
+    @property
+    def curve(self) -> tuple[Array, Array]:
+        """Values [unit], ascending, and the density there [1/unit], close enough to draw."""
+        return self.mesh.smooth(self.masses)
+
     @cached_property
     def mean(self) -> float:
         """Mean [unit]."""
