@@ -33,6 +33,8 @@ __all__ = ["ExactBelief"]
 
 Array = NDArray[np.float64]
 
+SURE = 1 - 1e-6
+
 
 class ExactBelief:
     """The posterior of all properties given evidence; a pure function of network and evidence.
@@ -80,6 +82,7 @@ class ExactBelief:
         total = float(joint.sum())
         self.log_evidence = peak + float(np.log(total))
         self.joint = Table(joint / total, parts.axes)
+        self._latest: tuple[str, AdmittedOutcome, Self] | None = None
         self._joints: dict[tuple[str, ...], Table] = {}
         self._axis_masses: dict[tuple[tuple[str, ...], str], Array] = {}
 
@@ -96,6 +99,8 @@ class ExactBelief:
             If the network gives the outcome probability zero after the evidence so far.
         """
         admitted = admit(self.network, action, outcome).outcome
+        if self._latest and not isinstance(admitted, StateLikelihood) and self._latest[:2] == (action, admitted):
+            return self._latest[2]  # asked for its predictive probability just before
         evidence = (*self.evidence, Observation(action, admitted))
         factors, groups, log_joint = self._factors, self.groups, self._log_joint
         measured = self.network.actions[action].sensor.property
@@ -115,6 +120,7 @@ class ExactBelief:
                 log_joint = log_joint + self.parts.along(groups[home].log_evidence)
         after = type(self).__new__(type(self))
         after._fill(self.network, self.parts, evidence, factors, groups, log_joint)
+        self._latest = (action, admitted, after)
         return after
 
     def _from_scratch(self, factors: Mapping[str, Array], groups: Sequence[GroupBelief]) -> Array:
@@ -339,8 +345,10 @@ class ExactBelief:
                 seen = p[prediction.outcomes.index(label)]
                 return float(min(1.0, p[p <= seen * (1 + 1e-9)].sum()))
             case Reading(value, sd):
-                tails = (self._tail(action, Below(value, sd)), self._tail(action, Above(value, sd)))
-                return min(1.0, 2 * min(tails))
+                below = self._tail(action, Below(value, sd))
+                # The other tail by subtraction, but where that would cancel.
+                above = 1 - below if below < SURE else self._tail(action, Above(value, sd))
+                return min(1.0, 2 * min(below, above))
             case Above() | Below():
                 return min(1.0, 2 * self._tail(action, admitted))
         return None
