@@ -75,7 +75,7 @@ class Group:
         for axis, solved in frame.order:
             own = [s for s in self.sensors if s.property == axis]
             if own and name in self.derived[axis].formula.variables:
-                return self.scale_given(axis, solved, name, lambda s, own=own: SHARP * _noise(own, s))  # type: ignore[misc]
+                return self.scale_given(axis, solved, name, partial(_noise, own, share=SHARP))
         return None
 
     def scale_given(
@@ -243,10 +243,12 @@ class Group:
         return {}
 
 
-def _noise(sensors: Sequence[NumberSensor], x: Array) -> Array:
-    """The least noise of several sensors at values x."""
+def _noise(sensors: Sequence[NumberSensor], x: Array, share: float = 1.0) -> Array:
+    """The least noise of several sensors at values x, or a share of it."""
     flat = np.ravel(x)
-    return np.asarray(np.min([np.hypot(s.scale(flat), s.offset_sd) for s in sensors], axis=0)).reshape(np.shape(x))
+    return share * np.asarray(np.min([np.hypot(s.scale(flat), s.offset_sd) for s in sensors], axis=0)).reshape(
+        np.shape(x)
+    )
 
 
 def groups_of(network: Network) -> tuple[Group, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from math import prod
 
 import numpy as np
@@ -189,7 +189,7 @@ class GroupBelief:
         for axis, solved in frame.order:
             if axis in self.touched and name in self.group.derived[axis].formula.variables:
                 sharpest = min((fine[2] for fine in self._windows[axis].fine), default=np.inf)
-                scale = self.group.scale_given(axis, solved, name, lambda s, sd=sharpest: np.full_like(s, sd))  # type: ignore[misc]
+                scale = self.group.scale_given(axis, solved, name, partial(np.full_like, fill_value=sharpest))
                 return cut(prior, np.minimum(scale(points), scale((prior.edges[1:] + prior.edges[:-1]) / 2)))
         return prior
 

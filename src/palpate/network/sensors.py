@@ -64,6 +64,8 @@ class ConfusionSensor:
 
     def likelihood(self, labels: Sequence[str]) -> Array:
         """P(labels | state) of all looks at one object together [state]."""
+        if not self.repeat_probability:
+            return np.asarray(self.table[[self.outcomes.index(label) for label in labels]].prod(axis=0))
         return np.asarray(self._hidden(labels).sum(axis=0))
 
     def predictive(self, labels: Sequence[str]) -> Array:
