@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import prod
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.errors import NetworkError
 from palpate.inference.belief import Objective
 from palpate.inference.group import Group, groups_of
 from palpate.inference.readings import GroupBelief
@@ -61,6 +63,9 @@ class Compiled:
         return values.reshape([next(shape) if n in table.names else 1 for n in self.axes])
 
 
+MAX_CHART = 20_000_000
+"""Largest table of three or more linked properties that is worked with."""
+
 _KNOWN: WeakKeyDictionary[Network, Compiled] = WeakKeyDictionary()
 
 
@@ -69,6 +74,8 @@ def compiled(network: Network) -> Compiled:
     if network not in _KNOWN:
         axes = tuple(p.name for p in network.categorical)
         groups = groups_of(network)
+        for group in groups:
+            _check_size(network, group)
         home = {name: i for i, group in enumerate(groups) for name in group.members}
         priors = tuple(GroupBelief(group, {}) for group in groups)
         parts = Compiled(axes, np.zeros((1,) * len(axes)), groups, priors, home)
@@ -76,6 +83,27 @@ def compiled(network: Network) -> Compiled:
         log_prior = sum((_log_table(parts, p) for p in network.categorical), np.zeros(shape))
         _KNOWN[network] = Compiled(axes, log_prior, groups, priors, home)
     return _KNOWN[network]
+
+
+def _check_size(network: Network, group: Group) -> None:
+    """Refuse a group of three or more densities whose charts would be too large to work with."""
+    if len(group.bases) < 3:
+        return
+    states = {p.name: len(p.states) for p in network.categorical}
+    for sensor in group.sensors:
+        for member in group.members:
+            frame = group.frame((member, sensor.property) if member != sensor.property else (member,))
+            if frame is None:
+                continue
+            solved = {base for _, base in frame.order}
+            parents = {p for name in solved for p in group.bases[name].parents}
+            size = prod(m.size for m in group.meshes(frame).values()) * prod(states[p] for p in parents)
+            if size > MAX_CHART:
+                raise NetworkError(
+                    f"network {network.name!r}: {', '.join(group.bases)} are linked by formulas, and to measure "
+                    f"{sensor.property!r} takes {size:.0e} numbers, more than {MAX_CHART:.0e}: link fewer properties, "
+                    "or give them wider densities"
+                )
 
 
 def _log_table(parts: Compiled, prior: CategoricalProperty) -> Array:

@@ -41,7 +41,9 @@ class NumberPrediction:
         """Density of readings y per unit; zero where the sensor saturates."""
         flat = np.ravel(np.asarray(y, float))
         inside = (flat >= self.low) & (flat <= self.high)
-        return np.asarray(np.where(inside, self.masses @ self.kernel.density(flat), 0.0)).reshape(np.shape(y))
+        # Masses spread over finer nodes can be below zero by the error of the panels' polynomials.
+        density = np.maximum(self.masses @ self.kernel.density(flat), 0.0)
+        return np.asarray(np.where(inside, density, 0.0)).reshape(np.shape(y))
 
     def cdf(self, y: Array | float) -> Array:
         """P(reading <= y), `below` counted as `low`; one only beyond `high`."""
