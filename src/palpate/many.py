@@ -60,10 +60,10 @@ def explore_many(
 ) -> list[Run]:
     """Explore with each robot, all of them in step.
 
-    The choices, outcomes and beliefs are those of `explore` one by one (with the policy's chance
-    from ``rng.spawn(len(robots))``); realised gains and surprise are left to those who ask the
-    beliefs. Policies that keep something between their choices, as `StaticSet` does, are for one
-    exploration at a time.
+    The choices, outcomes and beliefs are those of `explore` one by one, with the policy's chance
+    from ``rng.spawn(len(robots))``, and gains are to 1e-9: where two tie to that, choices may
+    differ. Realised gains and surprise are left to those who ask the beliefs. Policies that keep
+    something between their choices, as `StaticSet` does, are for one exploration at a time.
 
     Parameters
     ----------

@@ -282,7 +282,7 @@ def test_too_much_ahead_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """A plan whose table would not fit into memory is refused, with what to do about it."""
     monkeypatch.setattr("palpate.selection.foresight.MAX_ENTRIES", 30)
     plans = Tabled(ExactBelief(toy()), ("kind",), TABLES)
-    with pytest.raises(EvidenceError, match="looking ahead over look, .* look less far ahead"):
+    with pytest.raises(EvidenceError, match=r"looking ahead over look, .* look less far ahead"):
         plans.best("look", 3)
 
 

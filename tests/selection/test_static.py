@@ -112,8 +112,7 @@ matrices = st.lists(columns, min_size=4, max_size=4).map(lambda c: np.array(c).T
 @given(st.lists(matrices, min_size=3, max_size=3))
 @settings(max_examples=20, deadline=None)
 def test_what_a_set_tells_is_bounded(given_tables: list[Any]) -> None:
-    """A set tells at least its best action, at most the sum of the entropies and of the single gains, and less
-    than choosing adaptively."""
+    """A set tells as much as its best action, at most the sum of entropies and gains, and adaptive choices more."""
     tables = dict(zip("xyz", given_tables, strict=True))
     belief = toy(tables)
     plans = Tabled(belief, ("kind",), tables)
@@ -173,9 +172,7 @@ def test_sensors_that_repeat_a_hidden_label_with_repeats(objective: Objective) -
     """Where actions may be repeated the set is still of different ones, each taken once."""
     rho, belief = 0.8, toy(rho=0.8)
     robot = FunctionRobot({name: lambda: Label("0") for name in TABLES})
-    steps = list(
-        explore(belief, robot, objective=objective, policy=StaticSet(3), stopping=StepBudget(9), repeat=True)
-    )
+    steps = list(explore(belief, robot, objective=objective, policy=StaticSet(3), stopping=StepBudget(9), repeat=True))
     taken = [str(step.action) for step in steps[:-1]]
     assert len(taken) == len(set(taken)) == 3
     best = max(combinations(TABLES, 3), key=set_information)
@@ -183,8 +180,11 @@ def test_sensors_that_repeat_a_hidden_label_with_repeats(objective: Objective) -
     walked = foresight(belief, objective, tuple(TABLES), repeat=True)
     assert isinstance(walked, Walked)
     twice = [
-        PRIOR * sum(h * (rho * (i == y) + (1 - rho) * HALVES[y]) * (rho * (i == z) + (1 - rho) * HALVES[z])
-                    for i, h in enumerate(HALVES))
+        PRIOR
+        * sum(
+            h * (rho * (i == y) + (1 - rho) * HALVES[y]) * (rho * (i == z) + (1 - rho) * HALVES[z])
+            for i, h in enumerate(HALVES)
+        )
         for y, z in product(range(2), repeat=2)
     ]
     joint = np.array(twice)

@@ -92,6 +92,11 @@ def prepare(asked: Asked) -> Ready:
         options.number_of("--budget", str(asked.budget_s))
     if asked.timeout_s is not None:
         options.number_of("--timeout", str(asked.timeout_s), least=1e-3)
+    words = options.stopping_words(asked.stop, asked.budget_s, asked.steps)
+    if asked.repeat and set(words.split(",")) == {"nothing-left"}:
+        raise PalpateError(
+            "--repeat with --stop nothing-left would never end: add --steps, --budget or --stop gain:BITS"
+        )
     seed = secrets.randbelow(2**32) if asked.seed is None else asked.seed
     of_policy, of_robot = np.random.default_rng(seed).spawn(2)
     robot, thing, notes = _replayed(asked) if asked.replay else _sampled(asked, network, of_robot)
@@ -102,7 +107,7 @@ def prepare(asked: Asked) -> Ready:
     about = About(
         objective=objective.name,
         policy=asked.policy,
-        stopping=options.stopping_words(asked.stop, asked.budget_s, asked.steps),
+        stopping=words,
         robot="replay" if asked.replay else "sampled",
         object=thing,
         seed=seed,

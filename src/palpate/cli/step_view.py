@@ -88,8 +88,9 @@ class View:
 
     def end(self, last: Step, steps: Sequence[Step]) -> RenderableType:
         """Why exploration stopped, what was left to gain, and all steps in short."""
-        title = Text.assemble("Stopped  ", (str(last.stop), "bold"))
-        parts: list[RenderableType] = [Rule(title, align="left", style="dim")]
+        # Below the rule, where a long reason wraps instead of being cut off.
+        reason = Padding(Text(str(last.stop), style="bold"), (0, 0, 0, 1))
+        parts: list[RenderableType] = [Rule("Stopped", align="left", style="dim"), reason]
         if last.gains_bits:
             parts += [Padding(self.gains(last.gains_bits, None), (0, 0, 1, 1))]
         if steps:

@@ -7,12 +7,13 @@ sensor saturates, so that information is computed for numbers as for labels.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
-from palpate.inference.mesh import WIDTH, Mesh
+from palpate.inference.mesh import ORDER, WIDTH, Mesh
 from palpate.network.sensors import Kernel, NormalNoise, NumberOutcome, NumberSensor, StudentTNoise
 
 __all__ = ["OUTCOME", "NumberChannel"]
@@ -27,6 +28,8 @@ HEAVY_SHARP = 0.5
 """How much finer meshes are for Student's t, whose peak is sharper than its scale says."""
 SAMPLES = 32
 TAN_ORDER = 128
+SHARPEST = 0.01
+"""Share of a panel below which the width of the noise changes nothing."""
 
 
 class NumberChannel:
@@ -76,13 +79,18 @@ class NumberChannel:
         return np.where(np.isnan(flat)[:, None], 0.0, table).reshape(*np.shape(x), -1)
 
     def _made(self, mesh: Mesh) -> Array:
-        finer = mesh.finer(self.sensor.scale(mesh.nodes))
+        # Noise far narrower than a panel counts as a hundredth of it: it smooths nothing either way.
+        panels = np.repeat(np.diff(mesh.edges), ORDER)
+        finer = mesh.finer(np.maximum(self.sensor.scale(mesh.nodes), SHARPEST * panels))
         if finer is None:
             return _columns(self.sensor, self.sensor.predictive(self.past, mesh.nodes), self.readings)
         # The noise is narrower than the mesh: average the kernel over each panel's polynomial.
-        return finer.averaged(
-            lambda x: _columns(self.sensor, self.sensor.predictive(self.past, x), self.readings), mesh.size
-        )
+        return finer.averaged(lambda x: self._blurred(x, SHARPEST * mesh.widths_at(x)), mesh.size)
+
+    def _blurred(self, x: Array, least: Array) -> Array:
+        kernel = self.sensor.predictive(self.past, x)
+        blurred = replace(kernel, scale=np.maximum(kernel.scale, least[:, None]))
+        return _columns(self.sensor, blurred, self.readings)
 
     def differential(self, p: Array) -> float:
         """What makes -sum p ln p of the reading a differential entropy: the mean log weight [nats]."""

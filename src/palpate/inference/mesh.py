@@ -25,6 +25,8 @@ GRADED_RATIO = 10.0
 KERNEL_WIDTH = 3.0
 """Scales of a kernel that a panel may be wide for the kernel to be summed over the panel's nodes."""
 MAX_CUTS = 2000
+CHUNK = 20_000
+"""Finer nodes at which a kernel is evaluated at a time."""
 GRADED_SHARE = 0.2
 """Share of the first panel that is graded."""
 
@@ -58,11 +60,14 @@ class Finer:
         """What the values f(x) (X, ...) come to at each of the mesh's nodes (size, ...)."""
         out: Array | None = None
         for panels, x, shares in self.parts:
-            values = f(x.ravel())
-            values = values.reshape(*x.shape, -1)  # (N, F, rest)
-            if out is None:
-                out = np.empty((size // ORDER, ORDER, values.shape[-1]))
-            out[panels] = shares.T @ values
+            step = max(1, CHUNK // x.shape[1])
+            for start in range(0, len(panels), step):
+                some = slice(start, start + step)
+                values = f(x[some].ravel())
+                values = values.reshape(*x[some].shape, -1)  # (N, F, rest)
+                if out is None:
+                    out = np.empty((size // ORDER, ORDER, values.shape[-1]))
+                out[panels[some]] = shares.T @ values
         assert out is not None
         return out.reshape(size, -1)
 

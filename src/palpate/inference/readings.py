@@ -9,6 +9,7 @@ from math import prod
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.errors import EvidenceError
 from palpate.inference.channels import OUTCOME, NumberChannel
 from palpate.inference.chart import Chart, Frame
 from palpate.inference.group import Group
@@ -27,6 +28,10 @@ EDGE_MASS = 1e-6
 FAINT_EDGE_MASS = 1e-2
 """The same for configurations that are 1e13 times less probable than another: they hardly ever matter."""
 TINY = 1e-290
+RESOLVED, UNRESOLVED = 1e-4, 0.02
+"""Relative change of a configuration's mass at which halving panels stops, and at which it has failed."""
+FAR = 1000.0
+"""Ranges of all that is believed beyond which a reading is an error, not a surprise."""
 ALL = slice(None)
 EMPTY = 1e-9
 """Share of a configuration's mass below which the ends of an axis need no readings."""
@@ -53,6 +58,8 @@ class GroupBelief:
         self._channels: dict[tuple[int, bool], NumberChannel] = {}
         self._given: dict[int, Table] = {}
         self._through: dict[tuple[Names, int], Table] = {}
+        for name in sorted(self.touched):
+            self._check_reach(name)
         for name in sorted(self.touched & group.derived.keys()):
             self._settle(name)
 
@@ -229,6 +236,17 @@ class GroupBelief:
         mass = contract(cut, self.group.parents).values
         return bool((mass > np.where(total > most * 1e-13, EDGE_MASS, FAINT_EDGE_MASS) * total + TINY).any())
 
+    def _check_reach(self, name: str) -> None:
+        """Refuse readings so far from all that is believed that resolving them makes no sense."""
+        mesh = self.group.mesh(self.sure_frame(name), name)
+        far = FAR * float(mesh.edges[-1] - mesh.edges[0])
+        window = self._windows[name]
+        if window.low > mesh.edges[-1] + far or window.high < mesh.edges[0] - far:
+            raise EvidenceError(
+                f"a reading of {name} lies more than {FAR:g} times as far out as anything the network believes: "
+                "check its unit and the sensor"
+            )
+
     def _fresh(self, frame: Frame, meshes: Mapping[str, Mesh]) -> Chart:
         values, _ = frame.values(frame.tensor(meshes))
         total = np.zeros((1,) * len(frame.axes))
@@ -238,15 +256,27 @@ class GroupBelief:
         return frame.chart(meshes, total)
 
     def _refined(self, frame: Frame, chart: Chart) -> Chart:
-        """The chart with its panels halved until evidence on members that are not axes is resolved."""
-        parents = self.group.parents
+        """The chart with its panels halved until evidence on members that are not axes is resolved.
+
+        Raises
+        ------
+        EvidenceError
+            If that takes more numbers than is sensible, and what there is differs by a few percent.
+        """
+        parents, error = self.group.parents, np.inf
         while chart.tables[-1].values.size * 2 ** len(frame.axes) < MAX_ENTRIES:
             finer = self._fresh(frame, {name: mesh.halved() for name, mesh in chart.meshes.items()})
             old = contract(chart.factors, parents).values * np.exp(chart.log_scale - finer.log_scale)
             new = contract(finer.factors, parents).values
-            chart = finer
-            if (np.abs(new - old) <= 1e-6 * new.max() + 1e-4 * new).all():
-                break
+            chart, error = finer, float(np.max(np.abs(new - old) / (new + 0.01 * new.max() + TINY)))
+            if error <= RESOLVED:
+                return chart
+        if error > UNRESOLVED:
+            sharp = ", ".join(sorted(self.touched))
+            raise EvidenceError(
+                f"the readings of {sharp} are too sharp beside each other to be worked out exactly: "
+                "give them a larger sd, or measure one of them only"
+            )
         return chart
 
     def _settle(self, name: str) -> None:

@@ -26,6 +26,8 @@ HEAVY_SHARP = 0.7
 """A heavy-tailed likelihood's peak is sharper than its scale says."""
 GAP_SCALES = 4000
 """Most scales to resolve between the prior and a reading far from it."""
+MAX_PIECES = 4000
+"""Pieces that one panel is cut into at most."""
 SLACK = 1.2
 """A panel may be this much wider than asked for."""
 
@@ -169,6 +171,12 @@ def _extended(prior: Mesh, low: float, high: float) -> tuple[Array, NDArray[np.b
 
 
 def _cut(edges: Array, graded: NDArray[np.bool_], window: Window, origin: float, share: float) -> Mesh:
+    # The ends of what is to be resolved are edges, so that nothing beside it is cut as finely.
+    ends = [end for low, high, _ in window.fine for end in (low, high) if edges[0] < end < edges[-1]]
+    if ends:
+        split = np.unique(np.concatenate([edges, ends]))
+        graded = graded[np.clip(np.searchsorted(edges, split[:-1], side="right") - 1, 0, len(graded) - 1)]
+        edges = split
     scale = np.full(len(edges) - 1, np.inf)
     for low, high, fine in window.fine:
         inside = (edges[:-1] < high) & (edges[1:] > low)
@@ -180,7 +188,7 @@ def cut(mesh: Mesh, scale: Array) -> Mesh:
     """The mesh with each panel cut into equal pieces of at most WIDTH times the panel's scale (P,)."""
     edges, graded = mesh.edges, mesh.graded
     widths = np.diff(edges)
-    pieces = np.maximum(np.ceil(np.minimum(widths / (WIDTH * scale), 1e5) - 1e-9).astype(int), 1)
+    pieces = np.maximum(np.ceil(np.minimum(widths / (WIDTH * scale), MAX_PIECES) - 1e-9).astype(int), 1)
     if (pieces == 1).all():
         return mesh
     starts = np.repeat(edges[:-1], pieces)

@@ -102,10 +102,10 @@ def _assigned(
         notices.append(f"{where}: the posterior sums to {total:.6g} and is divided by it")
     values = np.array([found.get(state, 0.0) for state in states]) / total
     missing = [state for state in states if state not in found]
-    if missing:
-        notices.append(f"{where}: the posterior does not name {_names(missing)}, which count as zero")
     unknown = {label: value / total for label, value in found.items() if label not in states and value > 0}
     if not unknown:
+        if missing:
+            notices.append(f"{where}: the posterior does not name {_names(missing)}, which count as zero")
         return values
     unseen = values < UNSEEN
     fate = "is dropped, as every state holds some of the rest"

@@ -10,6 +10,8 @@ from palpate.selection.policies import Choice
 
 __all__ = ["LookAhead"]
 
+TIE = 1e-9
+
 
 @dataclass(frozen=True)
 class LookAhead:
@@ -37,6 +39,9 @@ class LookAhead:
             raise EvidenceError(f"a look-ahead of depth {self.depth!r} was asked for, expected at least 1")
 
     def choose(self, choice: Choice) -> str:
-        """Return the action with the largest value; the first of the network's order among equals."""
+        """Return the action with the largest value; among equals the one that tells most at once."""
         plans = foresight(choice.belief, choice.objective, choice.actions, choice.repeat)
-        return max(choice.actions, key=lambda action: plans.best(action, self.depth))
+        values = {action: plans.best(action, self.depth) for action in choice.actions}
+        best = max(values.values())
+        # Plans of the same actions in another order are worth the same, but for rounding.
+        return max((a for a, value in values.items() if value > best - TIE), key=lambda a: choice.gains[a])

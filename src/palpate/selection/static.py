@@ -38,7 +38,9 @@ class StaticSet:
         return next((a for a in self._chosen if a in choice.gains and a not in choice.taken), None)
 
     def _best(self, choice: Choice) -> tuple[str, ...]:
+        if self.size >= len(choice.actions):
+            return tuple(sorted(choice.actions, key=lambda action: -choice.gains[action]))
         plans = foresight(choice.belief, choice.objective, choice.actions, repeat=False)
-        sets = combinations(choice.actions, min(self.size, len(choice.actions)))
+        sets = combinations(choice.actions, self.size)
         best = max(sets, key=plans.together)
         return tuple(sorted(best, key=lambda action: -choice.gains[action]))
