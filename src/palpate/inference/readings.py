@@ -28,7 +28,7 @@ EDGE_MASS = 1e-6
 FAINT_EDGE_MASS = 1e-2
 """The same for configurations that are 1e13 times less probable than another: they hardly ever matter."""
 TINY = 1e-290
-RESOLVED, UNRESOLVED = 1e-4, 0.02
+RESOLVED, UNRESOLVED = 1e-4, 0.25
 """Relative change of a configuration's mass at which halving panels stops, and at which it has failed."""
 FAR = 1000.0
 """Ranges of all that is believed beyond which a reading is an error, not a surprise."""
@@ -261,9 +261,9 @@ class GroupBelief:
         Raises
         ------
         EvidenceError
-            If that takes more numbers than is sensible, and what there is differs by a few percent.
+            If that takes more numbers than is sensible, and what there is still changes by a quarter.
         """
-        parents, error = self.group.parents, np.inf
+        parents, error = self.group.parents, 0.0
         while chart.tables[-1].values.size * 2 ** len(frame.axes) < MAX_ENTRIES:
             finer = self._fresh(frame, {name: mesh.halved() for name, mesh in chart.meshes.items()})
             old = contract(chart.factors, parents).values * np.exp(chart.log_scale - finer.log_scale)
