@@ -205,6 +205,10 @@ class Group:
             low > mesh.edges[-1] or high < mesh.edges[0] for low, high, _ in window.fine
         ):
             return None
+        # A sensor far sharper than the prior is wide is more than this mesh, limited in size, resolves.
+        sharp = Window(window.low, window.high, tuple((low, high, ALONE * scale) for low, high, scale in window.fine))
+        if not sharp.resolved(mesh, 0, len(mesh.edges) - 1):
+            return None
         if frame.axes not in self._wholes:
             self._wholes[frame.axes] = frame.chart({frame.axes[-1]: mesh})
         return self._wholes[frame.axes]
