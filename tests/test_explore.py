@@ -237,7 +237,10 @@ def test_random_exploration_repeats_with_its_seed(prior: ExactBelief) -> None:
         ({"costs_s": {"weighing": -1.0}}, "cost of action 'weighing' -1.0"),
         ({"objective": Learn("colour")}, "'colour'"),
         ({"objective": Weighted({Learn("colour"): 1.0})}, "'colour'"),
-        ({"robot": FunctionRobot({"dance": lambda: Label("x")})}, "unknown action 'dance'"),
+        (
+            {"robot": FunctionRobot({"weighting": lambda: Label("x")})},
+            r"robot FunctionRobot offers the unknown action 'weighting' \(did you mean 'weighing'\?\): choose from ",
+        ),
     ],
 )
 def test_what_the_network_does_not_know_is_an_error(prior: ExactBelief, arguments: Any, told: str) -> None:
@@ -271,3 +274,43 @@ def test_nothing_happens_before_it_is_asked_for(prior: ExactBelief) -> None:
     assert done == []
     next(steps)
     assert done == ["weighing"]
+
+
+def test_what_a_robot_cannot_do_is_told_at_once(prior: ExactBelief) -> None:
+    """A robot that offers an unknown action is refused before the first step is asked for."""
+    with pytest.raises(EvidenceError, match="unknown action 'dance'"):
+        explore(prior, mug(dance=lambda: Label("x")))
+
+
+def test_steps_before_an_unknown_action_are_kept(prior: ExactBelief) -> None:
+    """A robot that comes to offer an unknown action ends the exploration after the steps that were done."""
+    offered = ["weighing", "mat-sound"]
+
+    class Growing(FunctionRobot):
+        def actions(self) -> Any:
+            return tuple(offered)
+
+        def perform(self, action: str) -> Outcome:
+            offered.append("dance")
+            return Failed("slipped")
+
+    steps = explore(prior, Growing({}))
+    assert isinstance(next(steps).outcome, Failed)
+    with pytest.raises(EvidenceError, match="robot Growing offers the unknown action 'dance'"):
+        next(steps)
+
+
+def test_policies_know_what_is_left(prior: ExactBelief) -> None:
+    """A choice tells the steps and the cost that the stopping rules leave, and no limit where they have none."""
+    seen: list[Any] = []
+
+    class Watching(Greedy):
+        def choose(self, choice: Choice) -> Any:
+            seen.append((choice.steps_left, choice.left_s))
+            return super().choose(choice)
+
+    steps = list(explore(prior, mug(), policy=Watching(), stopping=StepBudget(3) | StepBudget(2) | CostBudget(60.0)))
+    assert seen == [(2, 60.0), (1, 60.0 - steps[0].cost_s)]
+    seen.clear()
+    list(explore(prior, mug(), policy=Watching(), stopping=NothingLeft()))
+    assert set(seen) == {(np.inf, np.inf)}

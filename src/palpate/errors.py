@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-__all__ = ["EvidenceError", "ImpossibleEvidenceError", "LogError", "NetworkError", "PalpateError", "choices"]
+__all__ = ["EvidenceError", "ImpossibleEvidenceError", "LogError", "NetworkError", "PalpateError", "choices", "near"]
 
 
 class PalpateError(Exception):
@@ -36,3 +36,24 @@ def choices(names: Iterable[str]) -> str:
     "choose from 'mug', 'box'"
     """
     return "choose from " + ", ".join(repr(name) for name in names)
+
+
+def near(found: object, names: Iterable[str]) -> str:
+    """Return the valid name that was probably meant, to stand behind the wrong one; empty where none is near.
+
+    Examples
+    --------
+    >>> near("muug", ["mug", "box"])
+    " (did you mean 'mug'?)"
+    >>> near("lamp", ["mug", "box"])
+    ''
+    """
+    from difflib import get_close_matches  # only errors need it
+
+    if not isinstance(found, str):
+        return ""
+    wrong = found.casefold()
+    # Slips are seldom in the first letter: kettle is no misspelt bottle.
+    valid = {name.casefold(): name for name in names if name.casefold()[:1] == wrong[:1]}
+    close = get_close_matches(wrong, valid, 1)
+    return f" (did you mean {valid[close[0]]!r}?)" if close else ""

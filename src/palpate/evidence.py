@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from palpate.errors import EvidenceError, choices
+from palpate.errors import EvidenceError, choices, near
 from palpate.network.admission import AdmittedOutcome, StateLikelihood
 from palpate.network.model import Network
 from palpate.network.properties import CategoricalProperty
@@ -68,7 +68,7 @@ def parse_item(item: object) -> tuple[str, Outcome]:
     allowed = ("action", kinds[0], *COMPANIONS[kinds[0]])
     for key in item:
         if key not in allowed:
-            raise EvidenceError(f"unknown key {key!r} beside {kinds[0]!r}: {choices(allowed)}")
+            raise EvidenceError(f"unknown key {key!r}{near(key, allowed)} beside {kinds[0]!r}: {choices(allowed)}")
     return action, _READERS[kinds[0]](item)
 
 

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.inference.belief import Belief
-from palpate.loop import Loop, State, all_costs, decide, learn, offered
+from palpate.loop import Loop, State, decide, learn, offered, set_up
 from palpate.network.admission import AdmittedOutcome
 from palpate.outcomes import Outcome
 from palpate.robots.protocol import Robot
 from palpate.robots.trial import attempt
-from palpate.selection.objectives import Everything, Objective
-from palpate.selection.policies import Greedy, Policy
-from palpate.selection.stopping import GainBelow, StoppingRule
+from palpate.selection.objectives import Objective
+from palpate.selection.policies import Policy
+from palpate.selection.stopping import StoppingRule
 
 __all__ = ["Step", "explore"]
 
@@ -109,17 +109,19 @@ def explore(
     Raises
     ------
     EvidenceError
-        An action of the robot or of `costs_s`, or a property of the objective, is unknown.
+        An action that the robot offers or of `costs_s`, or a property of the objective, is unknown;
+        what is wrong from the start is told before the first step.
     """
-    loop = Loop(
-        robot,
-        objective or Everything(),
-        policy or Greedy(),
-        stopping or GainBelow(),
-        repeat,
-        rng or np.random.default_rng(),
-        all_costs(belief, costs_s or {}),
-        timeout_s,
+    (loop,) = set_up(
+        belief,
+        [robot],
+        [rng or np.random.default_rng()],
+        objective=objective,
+        policy=policy,
+        stopping=stopping,
+        repeat=repeat,
+        costs_s=costs_s,
+        timeout_s=timeout_s,
     )
     return _steps(loop, State(belief))
 

@@ -9,18 +9,20 @@ from typing import TypeVar
 
 import numpy as np
 
-from palpate.errors import EvidenceError, choices
+from palpate.errors import EvidenceError, choices, near
 from palpate.inference.belief import Belief
 from palpate.network.admission import Admitted, admit
+from palpate.network.model import Network
 from palpate.outcomes import Failed, Outcome
 from palpate.robots.protocol import Robot
-from palpate.selection.objectives import Objective
-from palpate.selection.policies import Choice, Policy
-from palpate.selection.stopping import Situation, StoppingRule
+from palpate.selection.objectives import Everything, Objective
+from palpate.selection.policies import Choice, Greedy, Policy
+from palpate.selection.purse import Purse
+from palpate.selection.stopping import GainBelow, Situation, StoppingRule
 
 AnyBelief = TypeVar("AnyBelief", bound=Belief)
 
-__all__ = ["Loop", "State", "all_costs", "decide", "learn", "offered"]
+__all__ = ["Loop", "State", "check_robot", "decide", "learn", "offered", "set_up"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +36,7 @@ class Loop:
     repeat: bool
     rng: np.random.Generator
     costs_s: Mapping[str, float]
-    timeout_s: float | None
+    timeout_s: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,15 +56,55 @@ class State:
         return State(after, self.spent_s + cost_s, (*self.taken, action), failed)
 
 
+def set_up(
+    belief: Belief,
+    robots: Sequence[Robot],
+    rngs: Sequence[np.random.Generator],
+    *,
+    objective: Objective | None = None,
+    policy: Policy | None = None,
+    stopping: StoppingRule | None = None,
+    repeat: bool = False,
+    costs_s: Mapping[str, float] | None = None,
+    timeout_s: float | None = None,
+) -> list[Loop]:
+    """A loop for each robot and its generator, with the defaults of `palpate.explore.explore`.
+
+    Raises
+    ------
+    EvidenceError
+        A robot offers an action that the network does not know, or a cost is of none or is no cost.
+    """
+    costs = _all_costs(belief, costs_s or {})
+    for robot in robots:
+        check_robot(belief.network, robot)
+    objective, policy, stopping = objective or Everything(), policy or Greedy(), stopping or GainBelow()
+    return [
+        Loop(robot, objective, policy, stopping, repeat, rng, costs, timeout_s)
+        for robot, rng in zip(robots, rngs, strict=True)
+    ]
+
+
+def check_robot(network: Network, robot: Robot) -> tuple[str, ...]:
+    """The actions that a robot offers; EvidenceError if the network does not know one of them."""
+    names = tuple(robot.actions())
+    for name in names:
+        if name not in network.actions:
+            found = repr(name) + near(name, network.actions)
+            raise EvidenceError(
+                f"robot {type(robot).__name__} offers the unknown action {found}: {choices(network.actions)}"
+            )
+    return names
+
+
 def offered(loop: Loop, state: State) -> tuple[list[str], tuple[str, ...]]:
     """The actions that can be taken, and those that only lack of budget forbids."""
     network = state.belief.network
-    able = {network.action(name).name for name in loop.robot.actions()}
+    able = check_robot(network, loop.robot)
     barred = state.failed_since if loop.repeat else set(state.taken)
     left = [name for name in network.actions if name in able and name not in barred]
-    # A sum of costs that should meet the budget exactly may exceed it by rounding.
-    room = loop.stopping.budget_s - state.spent_s + 1e-9
-    affordable = [name for name in left if loop.costs_s[name] <= room]
+    purse = Purse(loop.stopping.budget_s - state.spent_s, loop.costs_s)
+    affordable = [name for name in left if purse.affords([name])]
     return affordable, tuple(name for name in left if name not in affordable)
 
 
@@ -77,12 +119,22 @@ def decide(
     if not gains:
         return None, "no action is left that the budget allows" if too_dear else "no action is left"
     action = loop.policy.choose(
-        Choice(state.belief, loop.objective, gains, loop.costs_s, loop.rng, state.taken, loop.repeat)
+        Choice(
+            state.belief,
+            loop.objective,
+            gains,
+            loop.costs_s,
+            loop.rng,
+            state.taken,
+            loop.repeat,
+            loop.stopping.most_steps - len(state.taken),
+            loop.stopping.budget_s - state.spent_s,
+        )
     )
     if action is None:
         return None, "the policy has come to its end"
     if action not in gains:
-        raise EvidenceError(f"the policy chose action {action!r}: {choices(gains)}")
+        raise EvidenceError(f"the policy chose action {action!r}{near(action, gains)}: {choices(gains)}")
     return action, None
 
 
@@ -95,7 +147,7 @@ def learn(before: AnyBelief, action: str, outcome: Outcome) -> tuple[Outcome, Ad
         return failed, Admitted(failed), before.update(action, failed)
 
 
-def all_costs(belief: Belief, given: Mapping[str, float]) -> dict[str, float]:
+def _all_costs(belief: Belief, given: Mapping[str, float]) -> dict[str, float]:
     """Costs of all actions [s], those of the network unless given."""
     for name, cost_s in given.items():
         belief.network.action(name)

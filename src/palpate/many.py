@@ -7,16 +7,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from palpate.inference.batch import categorical_gains
+from palpate.errors import EvidenceError
+from palpate.inference.batch import gains, updated
+from palpate.inference.belief import Observation
 from palpate.inference.exact import ExactBelief
-from palpate.loop import Loop, State, all_costs, decide, learn, offered
-from palpate.network.admission import AdmittedOutcome
-from palpate.network.properties import CategoricalProperty
+from palpate.loop import Loop, State, decide, learn, offered, set_up
+from palpate.network.admission import Admitted, AdmittedOutcome, admit
+from palpate.outcomes import Outcome
 from palpate.robots.protocol import Robot
 from palpate.robots.trial import attempt
 from palpate.selection.objectives import Everything, Learn, Objective
-from palpate.selection.policies import Greedy, Policy
-from palpate.selection.stopping import GainBelow, StoppingRule
+from palpate.selection.policies import Policy
+from palpate.selection.stopping import StoppingRule
 
 __all__ = ["Run", "explore_many"]
 
@@ -87,52 +89,67 @@ def explore_many(
     {'mat-sound'}
     """
     rngs = (rng or np.random.default_rng()).spawn(len(robots))
-    costs = all_costs(belief, costs_s or {})
-    aim, chooser, rule = objective or Everything(), policy or Greedy(), stopping or GainBelow()
-    loops = [Loop(robot, aim, chooser, rule, repeat, own, costs, None) for robot, own in zip(robots, rngs, strict=True)]
+    loops = set_up(
+        belief,
+        robots,
+        rngs,
+        objective=objective,
+        policy=policy,
+        stopping=stopping,
+        repeat=repeat,
+        costs_s=costs_s,
+    )
     states = [State(belief)] * len(loops)
     runs = [Run([belief]) for _ in robots]
     going = list(range(len(runs)))
     while going:
         options = [offered(loops[i], states[i]) for i in going]
-        gains = _gains(aim, [runs[i].beliefs[-1] for i in going], [affordable for affordable, _ in options])
-        acted = []
-        for i, row, (_, too_dear) in zip(going, gains, options, strict=True):
+        beliefs = [runs[i].beliefs[-1] for i in going]
+        found = _gains(loops[0].objective, beliefs, [affordable for affordable, _ in options])
+        acted: list[tuple[int, str]] = []
+        for i, row, (_, too_dear) in zip(going, found, options, strict=True):
             runs[i].gains_bits.append(row)
             action, reason = decide(loops[i], states[i], row, too_dear)
             if action is None:
                 runs[i].stop = reason or ""
-                continue
-            states[i] = _turn(loops[i], states[i], runs[i], action)
-            acted.append(i)
-        going = acted
+            else:
+                acted.append((i, action))
+        _turn(loops, states, runs, acted)
+        going = [i for i, _ in acted]
     return runs
 
 
-def _turn(loop: Loop, state: State, run: Run, action: str) -> State:
-    """Take the action and note what came of it."""
-    before = run.beliefs[-1]
-    outcome, admitted, after = learn(before, action, attempt(loop.robot, action))
-    run.actions.append(action)
-    run.outcomes.append(admitted.outcome)
-    run.beliefs.append(after)
-    run.total_cost_s += loop.costs_s[action]
-    return state.advanced(action, outcome, after, loop.costs_s[action])
+def _turn(loops: Sequence[Loop], states: list[State], runs: Sequence[Run], acted: Sequence[tuple[int, str]]) -> None:
+    """Take the actions and note what came of them."""
+    befores = [runs[i].beliefs[-1] for i, _ in acted]
+    outcomes = [attempt(loops[i].robot, action) for i, action in acted]
+    learnt = _learn(befores, [action for _, action in acted], outcomes)
+    for (i, action), (outcome, admitted, after) in zip(acted, learnt, strict=True):
+        cost_s = loops[i].costs_s[action]
+        runs[i].actions.append(action)
+        runs[i].outcomes.append(admitted.outcome)
+        runs[i].beliefs.append(after)
+        runs[i].total_cost_s += cost_s
+        states[i] = states[i].advanced(action, outcome, after, cost_s)
+
+
+def _learn(
+    befores: Sequence[ExactBelief], actions: Sequence[str], outcomes: Sequence[Outcome]
+) -> list[tuple[Outcome, Admitted, ExactBelief]]:
+    """Update the beliefs together."""
+    try:
+        admitted = [admit(b.network, a, o) for b, a, o in zip(befores, actions, outcomes, strict=True)]
+        seen = [Observation(action, new.outcome) for action, new in zip(actions, admitted, strict=True)]
+        return list(zip(outcomes, admitted, updated(befores, seen), strict=True))
+    except EvidenceError:
+        # An outcome cannot be used; which one, and that it counts as failed, shows one by one.
+        return [learn(b, a, o) for b, a, o in zip(befores, actions, outcomes, strict=True)]
 
 
 def _gains(
     objective: Objective, beliefs: Sequence[ExactBelief], options: Sequence[Sequence[str]]
 ) -> list[dict[str, float]]:
     """Expected gains [bits] of each belief's options."""
-    network = beliefs[0].network
-    properties = objective.properties if isinstance(objective, Learn) else ()
-    if not properties or not all(isinstance(network.property(p), CategoricalProperty) for p in properties):
-        return [objective.gains(b, own) if own else {} for b, own in zip(beliefs, options, strict=True)]
-    found: list[dict[str, float]] = [{} for _ in beliefs]
-    for action in network.actions:
-        rows = [i for i, own in enumerate(options) if action in own]
-        if rows:
-            column = categorical_gains([beliefs[i] for i in rows], properties, [action])[:, 0]
-            for i, gain in zip(rows, column.tolist(), strict=True):
-                found[i][action] = gain
-    return found
+    if isinstance(objective, Learn | Everything):
+        return gains(beliefs, objective.key, options)
+    return [objective.gains(b, own) if own else {} for b, own in zip(beliefs, options, strict=True)]

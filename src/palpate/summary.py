@@ -11,8 +11,16 @@ import numpy as np
 from palpate.errors import LogError
 from palpate.inference.belief import Belief
 from palpate.inference.marginals import CategoricalMarginal, ContinuousMarginal
+from palpate.inference.message_passing.marginals import UnsaidMarginal
 
-__all__ = ["BeliefSummary", "CategoricalSummary", "ContinuousSummary", "summarise", "summary_from_json"]
+__all__ = [
+    "BeliefSummary",
+    "CategoricalSummary",
+    "ContinuousSummary",
+    "UnsaidSummary",
+    "summarise",
+    "summary_from_json",
+]
 
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 CURVE_POINTS = 120
@@ -58,7 +66,20 @@ class ContinuousSummary:
         return {**figures, "quantiles": dict(self.quantiles), "x": list(self.x), "density": list(self.density)}
 
 
-BeliefSummary = Mapping[str, CategoricalSummary | ContinuousSummary]
+@dataclass(frozen=True)
+class UnsaidSummary:
+    """A number of which the engine has no belief: only its unit is known."""
+
+    unit: str
+
+    def to_json(self) -> dict[str, Any]:
+        """Return what stands in a log: the fields of a number, empty."""
+        figures = {"unit": self.unit, "mean": None, "sd": None, "entropy_bits": None}
+        return {**figures, "quantiles": {}, "x": [], "density": []}
+
+
+Summary = CategoricalSummary | ContinuousSummary | UnsaidSummary
+BeliefSummary = Mapping[str, Summary]
 """Property to its summary, in the order of the network."""
 
 
@@ -72,7 +93,9 @@ def summary_from_json(where: str, found: Mapping[str, Any]) -> BeliefSummary:
     return {name: _from_json(f"{where}: belief about {name!r}", entry) for name, entry in found.items()}
 
 
-def _summary(marginal: CategoricalMarginal | ContinuousMarginal) -> CategoricalSummary | ContinuousSummary:
+def _summary(marginal: CategoricalMarginal | ContinuousMarginal) -> Summary:
+    if isinstance(marginal, UnsaidMarginal):
+        return UnsaidSummary(marginal.unit)
     if isinstance(marginal, CategoricalMarginal):
         states = zip(marginal.states, marginal.probabilities.tolist(), strict=True)
         return CategoricalSummary(dict(states), marginal.entropy_bits)
@@ -103,10 +126,12 @@ def _rounded(value: float) -> float:
     return float(f"{value:.6g}")
 
 
-def _from_json(where: str, entry: Mapping[str, Any]) -> CategoricalSummary | ContinuousSummary:
+def _from_json(where: str, entry: Mapping[str, Any]) -> Summary:
     try:
         if "probabilities" in entry:
             return CategoricalSummary(entry["probabilities"], entry["entropy_bits"])
+        if not entry["x"]:
+            return UnsaidSummary(entry["unit"])
         return ContinuousSummary(
             unit=entry["unit"],
             mean=entry["mean"],

@@ -115,6 +115,30 @@ def test_surprising_outcomes_are_marked(run: Any, tmp_path: Path) -> None:
     ran = run("explore", "--robot", "replay", "--session", log, "--policy", "fixed:cat-vision,weighing")
     assert ran.code == 0, ran.err
     assert ran.out.count("surprising!") == 1
+    assert "practically impossible" not in ran.out
+
+
+@pytest.mark.parametrize("columns", ["80", "160"])
+def test_practically_impossible_outcomes_are_told(
+    run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, columns: str
+) -> None:
+    """A step whose surprise is practically zero says what to suspect, as a weighing below zero."""
+    monkeypatch.setenv("COLUMNS", columns)
+    log = tmp_path / "episode.jsonl"
+    log.write_text(SURPRISING.replace("2400.0", "-500.0"), encoding="utf-8")
+    ran = run("explore", "--robot", "replay", "--session", log, "--policy", "fixed:cat-vision,weighing")
+    words = " ".join(ran.out.split())
+    assert words.count("practically impossible under this network: wrong sensor, wrong unit, or an object") == 1
+    assert max(map(len, ran.out.splitlines())) <= int(columns)
+
+
+def test_a_replay_has_a_seed_only_where_it_matters(run: Any, tmp_path: Path) -> None:
+    """Nothing of a replay is by chance but a random policy: else no seed is shown or logged."""
+    log = tmp_path / "episode.jsonl"
+    for policy, seed in (("greedy", None), ("random", 4)):
+        ran = run("explore", "banana_ycb", "--robot", "replay", "--policy", policy, "--seed", 4, "--log", log)
+        assert ("seed" in ran.out) == (seed is not None)
+        assert read_episode(log).about.seed == seed
 
 
 SURPRISING = (
@@ -166,7 +190,14 @@ def test_a_terminal_that_cannot_show_bars(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["bananna"], "'banana'"),
+        (["bananna"], "(did you mean 'banana'?)"),
+        (["banana", "--network", "hausehold"], "(did you mean 'household'?)"),
+        (["banana", "--network", ""], "no such file"),
+        (["banana", "--engine", "exakt"], "(did you mean 'exact'?)"),
+        (["banana", "--learn", "materal"], "(did you mean 'material'?)"),
+        (["banana", "--learn", ""], "--learn"),
+        (["banana", "--cost", "wieghing=1"], "(did you mean 'weighing'?)"),
+        (["banana", "--cost", "weighing=1", "--cost", "weighing=2"], "--cost weighing"),
         ([], "OBJECT"),
         (["banana", "--learn", "colour"], "--learn"),
         (["banana", "--policy", "wild"], "--policy"),
@@ -196,7 +227,8 @@ def test_a_session_with_actions_of_another_network_is_refused(run: Any, tmp_path
     log = tmp_path / "session.jsonl"
     log.write_text(SURPRISING, encoding="utf-8")
     refused = run("explore", "--robot", "replay", "--session", log, "--network", "pantry").refused
-    assert "cat-vision" in refused
+    assert "robot ReplayRobot offers the unknown action 'cat-vision'" in refused
+    assert "'sniff'" in refused
 
 
 def test_a_session_of_another_object_is_refused(run: Any, tmp_path: Path) -> None:
@@ -244,3 +276,35 @@ def test_plot(run: Any, tmp_path: Path) -> None:
     assert run("episode", "plot", log, again).code == 0
     assert plot.read_bytes()[:4] == b"\x89PNG"
     assert plot.read_bytes() == again.read_bytes()
+
+
+def test_an_error_while_exploring_loses_nothing(run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A robot that comes to offer an action nobody knows is one sentence; what was done is in the log, to be drawn."""
+    log = tmp_path / "episode.jsonl"
+    original = SampledRobot.actions
+
+    def changing(robot: SampledRobot) -> tuple[str, ...]:
+        done = len(logged(log)) - 1 if log.exists() else 0
+        return (*original(robot), "juggling") if done == 2 else original(robot)
+
+    monkeypatch.setattr(SampledRobot, "actions", changing)
+    ran = run("explore", "banana", "--log", log, "--seed", 1)
+    assert ran.code == 2
+    assert ran.err.startswith("palpate: robot SampledRobot offers the unknown action 'juggling': choose from ")
+    assert ran.err.count("\n") == 1
+    episode = read_episode(log)
+    assert (len(episode.steps), episode.stop) == (2, None)
+    assert run("episode", "plot", log, tmp_path / "episode.svg").code == 0
+
+
+def test_a_screen_that_is_gone_loses_nothing(run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A step is in the log before it is shown, so that a closed pipe does not lose it."""
+    log = tmp_path / "episode.jsonl"
+
+    def closed(*_: object) -> None:
+        raise BrokenPipeError(32, "Broken pipe")
+
+    monkeypatch.setattr("palpate.cli.step_view.View.step", closed)
+    ran = run("explore", "banana", "--log", log, "--seed", 1)
+    assert (ran.code, ran.err) == (1, "")
+    assert len(read_episode(log).steps) == 1

@@ -215,3 +215,14 @@ shut = [0, 1]
     refused = run("infer", path, "--network", network).refused
     assert "evidence[1]: " in refused
     assert "probability zero" in refused
+
+
+def test_practically_impossible_evidence_is_told(run: Any, evidence_file: EvidenceFile) -> None:
+    """Evidence whose surprise is practically zero has a note that says what to suspect; other evidence has none."""
+    items = [{"action": "weighing", "value": 100, "unit": "g"}, {"action": "weighing", "value": -500, "unit": "g"}]
+    ran = run("infer", evidence_file(items))
+    assert ran.code == 0
+    assert ran.err == (
+        "note: evidence[1]: practically impossible under this network: "
+        "wrong sensor, wrong unit, or an object it does not know\n"
+    )

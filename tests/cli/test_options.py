@@ -107,6 +107,9 @@ def test_costs() -> None:
         (["weighing=nan"], "finite"),
         (["weighing=inf"], "finite"),
         (["weighing=long"], "finite"),
+        (["weighing=1", "weighing=2"], "two costs, 1 and 2, were found, expected one"),
+        (["weighing=1,weighing=1"], "expected one"),
+        ([""], "'' holds nothing"),
     ],
 )
 def test_wrong_costs(texts: list[str], said: str) -> None:
@@ -141,3 +144,22 @@ def test_unknown_property_to_learn() -> None:
         PalpateError, match=r"--learn: unknown property 'colour'; choose from 'category', .*'everything'"
     ):
         options.objective(NETWORK, ["colour"])
+
+
+@pytest.mark.parametrize("text", ["", " ", ",", " , ,"])
+def test_lists_that_hold_nothing(text: str) -> None:
+    """An option given with nothing in it is refused and does not count as left out."""
+    with pytest.raises(PalpateError, match=r"^--learn: '.*' holds nothing, expected at least one item"):
+        options.objective(NETWORK, ["material", text])
+    with pytest.raises(PalpateError, match=r"^--stop: "):
+        options.stopping(NETWORK, [text])
+
+
+def test_words_that_are_nearly_right() -> None:
+    """The word that was probably meant is named, whatever stands behind its colon."""
+    with pytest.raises(PalpateError, match=r"did you mean 'look-ahead'\?"):
+        options.policy(NETWORK, "lookahead:3")
+    with pytest.raises(PalpateError, match=r"did you mean 'entropy'\?"):
+        options.stopping(NETWORK, ["entrpy:material:1"])
+    with pytest.raises(PalpateError, match=r"'mas' \(did you mean 'mass'\?\) is no continuous property"):
+        options.stopping(NETWORK, ["sd:mas:1"])

@@ -49,7 +49,7 @@ def prior(name: str) -> ExactBelief:
 
 REFUSED: list[tuple[str, Any, str]] = [
     ("licking", Label("mug"), "unknown action 'licking': choose from 'cat-vision', 'mat-vision'"),
-    ("cat-vision", Label("kettle"), "action 'cat-vision': unknown label 'kettle'; choose from "),
+    ("cat-vision", Label("kettle"), "action 'cat-vision': unknown label 'kettle'"),
     ("cat-vision", Reading(3.0), "action 'cat-vision': Reading was found, but it measures states of 'category'"),
     ("cat-vision", Likelihood({"mug": 1.0}), "action 'cat-vision'"),
     ("cat-vision", Likelihood({"kettle": 1.0}), "action 'cat-vision'"),

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from palpate.inference.tensors import Table, contract, letters, product
+from palpate.inference.tensors import Table, contract, product
 
 SIZES = {"c": 2, "m": 3, "r": 4, "v": 1, "y": 5}
 AXES = st.permutations(sorted(SIZES))
@@ -91,8 +91,3 @@ def test_one_plan_serves_tables_of_other_sizes() -> None:
         a, b = Table(np.ones((n, k)), ("a", "b")), Table(np.full((k, 4), 2.0), ("b", "c"))
         assert product(a, b, ("c", "a")).values == pytest.approx(np.full((4, n), 2.0 * k))
         assert contract([a, b, a], ("a",)).values == pytest.approx(np.full(n, 8.0 * k))
-
-
-def test_letters_are_one_per_name() -> None:
-    """Subscripts use one letter for a name wherever it stands."""
-    assert letters(("x", "y"), ("y", "z"), ("z", "x")) == "ab,bc->ca"

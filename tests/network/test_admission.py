@@ -46,7 +46,7 @@ def test_label_of_the_sensor_is_admitted(network: Network) -> None:
     ("action", "outcome", "told"),
     [
         ("lift", Label("oaken"), "unknown action 'lift': choose from 'look', 'weigh'"),
-        ("look", Label("oak"), "unknown label 'oak'; choose from 'oaken', 'other'"),
+        ("look", Label("oak"), r"unknown label 'oak' \(did you mean 'oaken'\?\); choose from 'oaken', 'other'"),
         ("look", Reading(3.0), "Reading was found.*expected Label, Likelihood, Posterior or Failed"),
         ("weigh", Label("oaken"), "Label was found.*expected Reading, Above, Below or Failed"),
         ("weigh", 3.0, "float was found"),

@@ -421,23 +421,28 @@ CSV = {
     "twice": ("t,mug,box\nmug,1,0\nmug,0,1", "column 1: found mug, mug"),
     "not a number": ("t,mug,box\nmug,1,x\nbox,0,1", "row 'mug', column 3: found 'x'; expected a number"),
     "short row": ("t,mug,box\nmug,1\nbox,0,1", "row 'mug', column 3: found nothing"),
+    "long row": ("t,mug,box\nmug,1,0\nbox,0,1,0", "row 'box': found 4 cells; expected 3, as in line 1"),
     "sum": ("t,mug,box\nmug,1,0\nbox,0.5,1", "mug: found probabilities that sum to 1.5; expected a sum of 1"),
 }
 
 
 @pytest.mark.parametrize("case", CSV)
 def test_bad_csv(case: str, tmp_path: Path) -> None:
-    """A fault of a confusion matrix in CSV is reported for the CSV file, with its place."""
+    """A fault of a confusion matrix in CSV names the network file and the key, and the place in the CSV file."""
     text, part = CSV[case]
     (tmp_path / "look.csv").write_text(text)
     start, end = BASE.index("[actions.look.sensor.given]"), BASE.index("[actions.weigh]")
-    message = refused(written(tmp_path, BASE[:start] + 'csv = "look.csv"\n' + BASE[end:]))
-    assert message.startswith(f"{tmp_path / 'look.csv'}: ")
+    network = written(tmp_path, BASE[:start] + 'csv = "look.csv"\n' + BASE[end:])
+    message = refused(network)
+    assert message.startswith(f"{network}: actions.look.sensor.csv: found a table that cannot be used: ")
+    assert f"{tmp_path / 'look.csv'}: " in message
     assert part in message
 
 
 def test_missing_csv(tmp_path: Path) -> None:
-    """A CSV file that is not there is named."""
+    """A CSV file that is not there is named, with the network file and the key that name it."""
     start, end = BASE.index("[actions.look.sensor.given]"), BASE.index("[actions.weigh]")
-    message = refused(written(tmp_path, BASE[:start] + 'csv = "gone.csv"\n' + BASE[end:]))
-    assert message.startswith(f"{tmp_path / 'gone.csv'}: found no readable CSV file")
+    network = written(tmp_path, BASE[:start] + 'csv = "gone.csv"\n' + BASE[end:])
+    message = refused(network)
+    assert message.startswith(f"{network}: actions.look.sensor.csv: ")
+    assert f"{tmp_path / 'gone.csv'}: found no readable CSV file" in message

@@ -177,3 +177,36 @@ def test_an_entry_of_no_action_is_told(tmp_path: Path, network: Network) -> None
     upload(tmp_path, "taste_0", entry("taste", mean=1.0), {})
     with pytest.raises(LogError, match="'taste' is of no action; choose from 'cat-vision'"):
         convert(tmp_path, network, source="invented")
+
+
+def test_files_and_folders_are_the_same(folder: Path, network: Network) -> None:
+    """Files named one by one, their folder, or both give the same session, each recording once."""
+    files = sorted(folder.iterdir())
+    whole = convert(folder, network, source="invented")
+    for paths in (files, [folder], [*files, folder]):
+        assert convert(paths, network, source="invented").recorded == whole.recorded
+    assert [r.action for r in convert(files[:1], network, source="invented").recordings] == ["cat-vision"]
+
+
+def test_a_file_of_another_name_is_told(folder: Path, network: Network) -> None:
+    """A file whose name does not tell entry and time is refused with the form it should have."""
+    other = (folder / "upload_dict_2001_01_01_00_00_00_density_0.json").rename(folder / "density.json")
+    with pytest.raises(LogError, match=r"density.json: a name of the form upload_dict_<time>_"):
+        convert([other], network, source="invented")
+
+
+@pytest.mark.parametrize("outputs", [[], {"hand": []}, {"hand": {"force": None}}, {"hand": {"force": ["much"]}}])
+def test_odd_signals_are_told(tmp_path: Path, network: Network, outputs: Any) -> None:
+    """Signals that are neither numbers nor a file are refused with the file and the place."""
+    upload(tmp_path, "elasticity_0", entry("elasticity", mean=42.0), outputs)
+    with pytest.raises(LogError, match=r"elasticity_0.json: measurement.sensor_outputs.* expected"):
+        convert(tmp_path, network, source="invented")
+
+
+@pytest.mark.parametrize("value", [3, {"name": "box"}, {"name": "box", "probability": "much"}, {"probability": 0.5}])
+def test_odd_probabilities_are_told(tmp_path: Path, network: Network, value: Any) -> None:
+    """A classifier's value without a name and a probability is refused with the file and the key."""
+    found = {"name": "cat-vision", "type": "categorical", "values": [{"name": "mug", "probability": 0.5}, value]}
+    upload(tmp_path, "cat-vision_0", found, {})
+    with pytest.raises(LogError, match=r"cat-vision_0.json: entry.values: a name and a probability were expected"):
+        convert(tmp_path, network, source="invented")

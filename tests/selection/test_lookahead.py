@@ -25,6 +25,7 @@ from palpate.selection.foresight import Tabled, Walked, foresight
 from palpate.selection.lookahead import LookAhead
 from palpate.selection.objectives import Everything, Learn, Objective, Weighted
 from palpate.selection.policies import Choice, Greedy
+from palpate.selection.purse import Purse
 from palpate.selection.stopping import NothingLeft
 
 KIND, STUFF = np.array([0.5, 0.3, 0.2]), np.array([[0.8, 0.2], [0.4, 0.6], [0.1, 0.9]])
@@ -106,10 +107,12 @@ class Enumeration:
 OBJECTIVES: dict[str, Objective] = {"kind": Learn("kind"), "stuff": Learn("stuff"), "both": Learn("stuff", "kind")}
 
 
-def choice(belief: Any, objective: Objective, actions: Sequence[str] | None = None, repeat: bool = False) -> Choice:
+def choice(
+    belief: Any, objective: Objective, actions: Sequence[str] | None = None, repeat: bool = False, **rest: Any
+) -> Choice:
     gains = objective.gains(belief, actions or list(belief.network.actions))
     costs = {name: action.cost_s for name, action in belief.network.actions.items()}
-    return Choice(belief, objective, gains, costs, np.random.default_rng(0), (), repeat)
+    return Choice(belief, objective, gains, costs, np.random.default_rng(0), (), repeat, **rest)
 
 
 @pytest.mark.parametrize("depth", [1, 2, 3, 4, 9])
@@ -180,7 +183,7 @@ pairs = st.lists(columns, min_size=2, max_size=2).map(lambda c: np.array(c).T)
 def test_any_tables(look: Any, glance: Any, knock: Any, objective: str) -> None:
     """For any sensors values are those of enumeration, and grow with the depth up to all actions together."""
     tables = {"look": ("kind", look), "glance": ("kind", glance), "knock": ("stuff", knock)}
-    plans = Tabled(ExactBelief(toy(None, tables)), OBJECTIVES[objective].properties, tables)
+    plans = Tabled(ExactBelief(toy(None, tables)), OBJECTIVES[objective], tables)
     oracle = Enumeration(objective, False, None, tables)
     for action in tables:
         values = [plans.best(action, depth) for depth in (1, 2, 3, 4)]
@@ -271,6 +274,99 @@ def test_a_continuous_objective_of_two_readings_has_its_closed_form() -> None:
     assert again.best("laser", 2) == pytest.approx(0.5 * np.log2(1 + 4 * 8), abs=2e-3)
 
 
+@pytest.mark.parametrize("rest", [{"steps_left": 1}, {"left_s": 1.5}])
+def test_plans_keep_to_what_is_left(rest: dict[str, Any]) -> None:
+    """With one step left, or the cost of one, looking further ahead is greedy; with two it is not."""
+    belief = ExactBelief(hidden_pair())
+    assert LookAhead(5).choose(choice(belief, Learn("parity"), **rest)) == "hint"
+    more = {name: value + 1 for name, value in rest.items()}
+    assert LookAhead(5).choose(choice(belief, Learn("parity"), **more)) == "see-left"
+
+
+PURSE = Purse(4.0, {"look": 3.0, "glance": 2.0, "knock": 2.0, "lick": 1.0})
+
+
+class Thrifty(Enumeration):
+    """Values of plans that cost no more than the purse holds."""
+
+    def after(self, seen: tuple[tuple[str, int], ...], action: str, depth: int) -> float:
+        results = [(*seen, (action, label)) for label in range(len(self.tables[action][1]))]
+        value = information([self.mass(result) for result in results])
+        done = [name for name, _ in results[0]]
+        left = [a for a in self.tables if a not in done or self.repeat]
+        left = [a for a in left if sum(PURSE.costs_s[name] for name in (*done, a)) <= 4.0]
+        if depth > 1 and left:
+            value += sum(max(self.after(result, a, depth - 1) for a in left) for result in results)
+        return value
+
+
+@pytest.mark.parametrize("repeat", [False, True])
+@pytest.mark.parametrize("objective", OBJECTIVES)
+def test_values_within_a_budget_are_those_of_enumeration(objective: str, repeat: bool) -> None:
+    """Only plans that the rest of the budget pays for count, with and without repetition."""
+    oracle, belief = Thrifty(objective, repeat), ExactBelief(toy())
+    plans = foresight(belief, OBJECTIVES[objective], tuple(TABLES), repeat, PURSE)
+    walked = Walked(belief, OBJECTIVES[objective], tuple(TABLES), repeat, PURSE)
+    for action in TABLES:
+        for depth in (2, 3):
+            value = oracle.after((), action, depth)
+            assert plans.best(action, depth) == pytest.approx(value, abs=1e-10)
+            assert walked.best(action, depth) == pytest.approx(value, abs=1e-10)
+
+
+def test_looking_ahead_tells_how_far_it_is() -> None:
+    """Each first action is told before it is looked at, with how many there are; it is no part of the policy."""
+    told: list[Any] = []
+    policy = LookAhead(2, told=lambda done, of: told.append((done, of)))
+    policy.choose(choice(ExactBelief(toy()), Learn("kind")))
+    assert told == [(0, 4), (1, 4), (2, 4), (3, 4)]
+    assert policy == LookAhead(2)
+    assert repr(policy) == "LookAhead(depth=2)"
+
+
+MIXED: dict[str, Objective] = {
+    "everything": Everything(),
+    "weighted": Weighted({Learn("stuff"): 2.0, Learn("kind"): 0.5, Everything(): 0.25}),
+    "two": Weighted({Learn("kind"): 2.0, Learn("stuff", "kind"): 1.0}),
+}
+
+
+@pytest.mark.parametrize("objective", MIXED.values(), ids=MIXED.keys())
+def test_sums_and_everything_are_tabled(objective: Objective) -> None:
+    """Everything and weighted sums of labels' objectives have one table, which agrees with walking, evidence or not."""
+    belief = ExactBelief(toy(RHO))
+    for before in (belief, belief.update("look", Label("look1"))):
+        plans = foresight(before, objective, tuple(TABLES), repeat=False)
+        assert isinstance(plans, Tabled)
+        walked = Walked(before, objective, tuple(TABLES), False)
+        for action in TABLES:
+            for depth in (1, 2, 3):
+                assert plans.best(action, depth) == pytest.approx(walked.best(action, depth), abs=1e-10)
+        assert plans.together(list(TABLES)) == pytest.approx(walked.together(list(TABLES)), abs=1e-10)
+
+
+def test_everything_in_labels_is_the_joint_of_all_states() -> None:
+    """In a network of categorical properties everything is all of them together."""
+    belief, oracle = ExactBelief(toy()), Enumeration("both", False)
+    plans = foresight(belief, Everything(), tuple(TABLES), repeat=False)
+    assert [plans.best(a, 3) for a in TABLES] == pytest.approx([oracle.after((), a, 3) for a in TABLES], abs=1e-10)
+
+
+@pytest.mark.parametrize("case", ["prior", "evidence"])
+@pytest.mark.parametrize("objective", [Everything(), Weighted({Everything(): 0.5, Learn("material"): 1.0})], ids=repr)
+def test_tables_and_walks_agree_on_everything(case: str, objective: Objective) -> None:
+    """Values about everything, saturating readings included, are the same to 1e-5 bits as belief by belief."""
+    belief = household()
+    if case == "evidence":
+        belief = belief.update("cat-vision", Label("mug")).update("squeezing", Reading(60.0))
+    actions = tuple(belief.network.actions)
+    tabled = foresight(belief, objective, actions, repeat=False)
+    assert isinstance(tabled, Tabled)
+    walked = Walked(belief, objective, actions, False)
+    for action in actions:
+        assert tabled.best(action, 2) == pytest.approx(walked.best(action, 2), abs=1e-5)
+
+
 @pytest.mark.parametrize("depth", [0, -1])
 def test_a_depth_that_is_none_is_refused(depth: int) -> None:
     """A look-ahead looks at least one action ahead."""
@@ -280,10 +376,18 @@ def test_a_depth_that_is_none_is_refused(depth: int) -> None:
 
 def test_too_much_ahead_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """A plan whose table would not fit into memory is refused, with what to do about it."""
-    monkeypatch.setattr("palpate.selection.foresight.MAX_ENTRIES", 30)
-    plans = Tabled(ExactBelief(toy()), ("kind",), TABLES)
+    monkeypatch.setattr("palpate.selection.tabled.MAX_ENTRIES", 30)
+    plans = Tabled(ExactBelief(toy()), Learn("kind"), TABLES)
     with pytest.raises(EvidenceError, match=r"looking ahead over look, .* look less far ahead"):
         plans.best("look", 3)
+
+
+def test_tables_that_would_not_fit_are_not_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where even the tables of single outcomes would not fit into memory, plans are walked."""
+    monkeypatch.setattr("palpate.selection.tabled.MAX_ENTRIES", 6 * (3 + 2 + 3 + 2))
+    assert isinstance(foresight(ExactBelief(toy()), Everything(), tuple(TABLES), repeat=False), Tabled)
+    monkeypatch.setattr("palpate.selection.tabled.MAX_ENTRIES", 6 * (3 + 2 + 3 + 2) - 1)
+    assert isinstance(foresight(ExactBelief(toy()), Everything(), tuple(TABLES), repeat=False), Walked)
 
 
 def test_other_engines_cannot_look_ahead() -> None:

@@ -115,7 +115,7 @@ def test_what_a_set_tells_is_bounded(given_tables: list[Any]) -> None:
     """A set tells as much as its best action, at most the sum of entropies and gains, and adaptive choices more."""
     tables = dict(zip("xyz", given_tables, strict=True))
     belief = toy(tables)
-    plans = Tabled(belief, ("kind",), tables)
+    plans = Tabled(belief, Learn("kind"), tables)
     single = {a: plans.together([a]) for a in tables}
     for size in (2, 3):
         for actions in combinations(tables, size):
@@ -132,8 +132,8 @@ def test_what_a_set_tells_is_bounded(given_tables: list[Any]) -> None:
 @pytest.mark.parametrize("limit", [10, 1000])
 def test_large_sets_are_worked_out_piece_by_piece(monkeypatch: pytest.MonkeyPatch, limit: int) -> None:
     """What a set tells does not depend on how much of its table is worked out at once."""
-    monkeypatch.setattr("palpate.selection.foresight.MAX_ENTRIES", limit)
-    plans = Tabled(toy(), ("kind",), TABLES)
+    monkeypatch.setattr("palpate.selection.tabled.MAX_ENTRIES", limit)
+    plans = Tabled(toy(), Learn("kind"), TABLES)
     for size in (1, 2, 3, 5):
         for actions in combinations(TABLES, size):
             assert plans.together(actions) == pytest.approx(set_information(actions), abs=1e-10)
@@ -142,7 +142,7 @@ def test_large_sets_are_worked_out_piece_by_piece(monkeypatch: pytest.MonkeyPatc
 def test_the_order_of_a_set_does_not_matter() -> None:
     """What a set tells is the same in any order, from tables and walked."""
     belief = toy()
-    for plans in (Tabled(belief, ("kind",), TABLES), Walked(belief, Learn("kind"), tuple(TABLES), False)):
+    for plans in (Tabled(belief, Learn("kind"), TABLES), Walked(belief, Learn("kind"), tuple(TABLES), False)):
         for actions in (("first", "halves", "dull"), ("dull", "first", "halves"), ("halves", "dull", "first")):
             assert plans.together(actions) == pytest.approx(set_information(actions), abs=1e-10)
 

@@ -92,3 +92,10 @@ def test_a_rule_of_ones_own_needs_one_method() -> None:
             return None
 
     assert (Never() | StepBudget(0)).reason(situation()) == "the budget of 0 steps is used up"
+
+
+def test_budgets_of_steps_compose() -> None:
+    """The smallest number of steps counts; other rules leave it open."""
+    assert GainBelow().most_steps == inf
+    assert (GainBelow() | StepBudget(4) | StepBudget(3) | CostBudget(9.0)).most_steps == 3
+    assert AnyOf(()).most_steps == inf

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn
 
+from palpate.cli.surprise import impossible
 from palpate.errors import EvidenceError, ImpossibleEvidenceError
 from palpate.evidence import parse_item
 from palpate.inference.belief import Belief
@@ -98,6 +99,8 @@ def infer(name: str, prior: Belief, evidence: list[tuple[str, Outcome]]) -> Infe
         try:
             told = admit(prior.network, action, outcome).notices
             surprises.append(_finite(belief.surprise(action, outcome)))
+            if warning := impossible(surprises[-1]):
+                told = (*told, warning)
             bits = belief.log2_predictive(action, outcome)
             belief = belief.update(action, outcome)
         except ImpossibleEvidenceError as error:

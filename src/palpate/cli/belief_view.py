@@ -12,6 +12,7 @@ from rich.text import Text
 from palpate.figures.wording import number, plural
 from palpate.inference.belief import Belief
 from palpate.inference.marginals import CategoricalMarginal, ContinuousMarginal
+from palpate.inference.message_passing.marginals import UnsaidMarginal
 
 __all__ = ["Scale", "belief_table", "bits_bar", "plain_table", "scales"]
 
@@ -36,7 +37,7 @@ class Scale:
 def scales(prior: Belief) -> dict[str, Scale]:
     """The range of every number under the prior, from its 1 % to its 99 % quantile."""
     marginals = [prior.marginal(name) for name in prior.network.properties]
-    numbers = [m for m in marginals if isinstance(m, ContinuousMarginal)]
+    numbers = [m for m in marginals if isinstance(m, ContinuousMarginal) and not isinstance(m, UnsaidMarginal)]
     return {m.name: Scale(m.quantile(0.01), m.quantile(0.99)) for m in numbers}
 
 
@@ -60,7 +61,9 @@ def belief_table(belief: Belief, drawn_on: Mapping[str, Scale]) -> Table:
     table.columns[1].min_width, table.columns[2].min_width = 20, 14
     for name in belief.network.properties:
         marginal = belief.marginal(name)
-        if isinstance(marginal, ContinuousMarginal):
+        if isinstance(marginal, UnsaidMarginal):
+            table.add_row(Text(name, style="bold"), Text("not said by this engine", style="dim"))
+        elif isinstance(marginal, ContinuousMarginal):
             _add_number(table, marginal, drawn_on[name])
         else:
             _add_states(table, marginal)

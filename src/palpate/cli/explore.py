@@ -59,7 +59,16 @@ def explore(
     repeat: Annotated[
         bool, typer.Option("--repeat/--no-repeat", help="Whether an action may be taken again.", rich_help_panel=LOOP)
     ] = False,
-    engine: Annotated[str, typer.Option(help="Inference engine.", rich_help_panel=LOOP)] = "exact",
+    engine: Annotated[
+        str,
+        typer.Option(
+            help="Inference engine: exact, or message-passing: the method of the paper.", rich_help_panel=LOOP
+        ),
+    ] = "exact",
+    preset: Annotated[
+        str | None,
+        typer.Option(help="Message passing as-released (default), repaired or as-written.", rich_help_panel=LOOP),
+    ] = None,
     robot: Annotated[
         RobotKind,
         typer.Option(help="Draw outcomes from the sensor models, or replay recorded ones.", rich_help_panel=ROBOT),
@@ -99,6 +108,7 @@ def explore(
         costs=cost or [],
         repeat=repeat,
         engine=engine,
+        preset=preset,
         replay=robot is RobotKind.REPLAY,
         session=session,
         seed=seed,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Generator, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rich.console import Console, Group
@@ -19,8 +20,10 @@ from palpate.cli.preparing import Asked, Ready, prepare
 from palpate.cli.step_view import View
 from palpate.cli.terminal import console
 from palpate.cli.truth_view import truth_table
+from palpate.cli.waiting_view import Waiting
 from palpate.episode import EpisodeLog, record_episode
 from palpate.explore import Step, explore
+from palpate.selection.lookahead import LookAhead
 from palpate.selection.policies import Choice, Policy
 
 __all__ = ["explore_object", "list_objects"]
@@ -43,10 +46,14 @@ def explore_object(asked: Asked) -> None:
     log = EpisodeLog(asked.log, ready.prior, ready.about) if asked.log is not None else None
     screen.print(_heading(asked, ready, view))
     steps = []
-    for step in _shown(asked, ready, screen, view):
-        steps.append(step)
-        if log is not None:
-            log.write(step)
+    with closing(_explored(asked, ready, screen, view)) as exploration:
+        for step in exploration:
+            # What was done is kept before it is shown: the screen may be a pipe that is closed.
+            if log is not None:
+                log.write(step)
+            steps.append(step)
+            if step.action is not None:
+                screen.print(view.step(step))
     *taken, last = steps
     screen.print(view.end(last, taken))
     if ready.known is not None:
@@ -91,27 +98,28 @@ class _Announced:
         return action
 
 
-def _shown(asked: Asked, ready: Ready, screen: Console, view: View) -> Iterator[Step]:
-    """The steps, each printed when it is done; what is being done is shown while it lasts."""
-    with Live(console=screen, transient=True) as live:
+def _explored(asked: Asked, ready: Ready, screen: Console, view: View) -> Generator[Step]:
+    """The steps; what is being done is shown while it lasts."""
+    waiting = Waiting()
+    with Live(waiting, console=screen, transient=True) as live:
 
         def tell(choice: Choice, action: str) -> None:
             live.update(view.pending(choice, action), refresh=True)
 
+        policy = replace(ready.policy, told=waiting.told) if isinstance(ready.policy, LookAhead) else ready.policy
         for step in explore(
             ready.prior,
             ready.robot,
             objective=ready.objective,
-            policy=_Announced(ready.policy, tell),
+            policy=_Announced(policy, tell),
             stopping=ready.stopping,
             repeat=asked.repeat,
             rng=ready.rng,
             costs_s=ready.costs_s,
             timeout_s=asked.timeout_s,
         ):
-            live.update(Group(), refresh=True)
-            if step.action is not None:
-                screen.print(view.step(step))
+            waiting.restart()
+            live.update(waiting, refresh=True)
             yield step
 
 
@@ -124,8 +132,11 @@ def _heading(asked: Asked, ready: Ready, view: View) -> Group:
         f"objective {ready.about.objective}",
         f"policy {ready.about.policy}",
         f"robot {ready.about.robot}",
-        f"seed {ready.about.seed}",
     ]
+    if ready.about.seed is not None:
+        how.append(f"seed {ready.about.seed}")
+    if asked.engine != "exact":
+        how.insert(1, f"engine {asked.engine} {asked.preset or ''}".strip())
     lines = [Text.assemble("Exploring ", (ready.about.object or "an object", "bold"), f": {about}" if about else "")]
     if known and known.looks_like:
         lines.append(Text(f"A trick: to a camera it looks like {known.looks_like}."))

@@ -18,7 +18,13 @@ def infer(
     evidence: Annotated[str, typer.Argument(metavar="FILE|-", help="JSON with the evidence; - is standard input.")],
     network: Annotated[str, typer.Option(help="Name of a shipped network, or a TOML file.")] = "household",
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON for programs.")] = False,
-    engine: Annotated[str, typer.Option(help="Inference engine.")] = "exact",
+    engine: Annotated[
+        str, typer.Option(help="Inference engine: exact, or message-passing: the method of the paper.")
+    ] = "exact",
+    preset: Annotated[
+        str | None,
+        typer.Option(help="Message passing as-released (default), repaired or as-written."),
+    ] = None,
 ) -> None:
     """Print the belief about every property and what every action would tell, given evidence.
 
@@ -30,7 +36,7 @@ def infer(
 
     name, document = answer.read_document(evidence)
     items = answer.read_evidence(name, document)
-    inferred = answer.infer(name, prior_belief(engine, load_network(network)), items)
+    inferred = answer.infer(name, prior_belief(engine, load_network(network), preset), items)
     # everything that can fail comes before the first line of output
     show = _json(inferred) if as_json else _tables(inferred)
     for notice in inferred.notices:

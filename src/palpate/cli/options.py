@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from palpate.errors import PalpateError, choices
+from palpate.errors import PalpateError, choices, near
 from palpate.network.model import Network
 from palpate.network.properties import CategoricalProperty
 from palpate.selection.objectives import Everything, Learn, Objective
@@ -58,17 +58,24 @@ def _count(option: str, text: str) -> int:
     return int(text)
 
 
-def _listed(texts: Iterable[str]) -> list[str]:
-    """The items of comma lists, one after the other."""
-    return [item.strip() for text in texts for item in text.split(",") if item.strip()]
+def _listed(option: str, texts: Iterable[str]) -> list[str]:
+    """The items of comma lists, one after the other; each list holds one at least."""
+    items: list[str] = []
+    for text in texts:
+        found = [item.strip() for item in text.split(",") if item.strip()]
+        if not found:
+            raise PalpateError(f"{option}: {text!r} holds nothing, expected at least one item")
+        items += found
+    return items
 
 
 def objective(network: Network, names: Sequence[str]) -> Objective:
     """``--learn``: properties to learn about together, or everything."""
-    wanted = list(dict.fromkeys(_listed(names)))
+    wanted = list(dict.fromkeys(_listed("--learn", names)))
+    valid = [*network.properties, "everything"]
     for name in wanted:
-        if name != "everything" and name not in network.properties:
-            raise PalpateError(f"--learn: unknown property {name!r}; {choices([*network.properties, 'everything'])}")
+        if name not in valid:
+            raise PalpateError(f"--learn: unknown property {name!r}{near(name, valid)}; {choices(valid)}")
     return Learn(*wanted) if wanted and "everything" not in wanted else Everything()
 
 
@@ -80,7 +87,7 @@ def policy(network: Network, text: str) -> Policy:
     if kind in plain and not argument:
         return plain[kind]()
     if kind == "fixed" and argument:
-        order = _listed([argument])
+        order = _listed(where, [argument])
         for action in order:
             _check_action(where, network, action)
         return FixedOrder(order)
@@ -92,12 +99,12 @@ def policy(network: Network, text: str) -> Policy:
         from palpate.selection.lookahead import LookAhead
 
         return LookAhead(_count(where, argument))
-    raise PalpateError(f"--policy: {text!r} was found; {choices(POLICIES)}")
+    raise PalpateError(f"--policy: {text!r} was found{_near_kind(kind, POLICIES)}; {choices(POLICIES)}")
 
 
 def stopping_words(texts: Sequence[str], budget_s: float | None = None, steps: int | None = None) -> str:
     """The stopping rules as they could be typed after one ``--stop``."""
-    rules = _listed(texts) or [DEFAULT_RULE]
+    rules = _listed("--stop", texts) or [DEFAULT_RULE]
     if budget_s is not None:
         rules.append(f"cost:{budget_s}")
     if steps is not None:
@@ -132,24 +139,33 @@ def _rule(network: Network, text: str) -> StoppingRule:
             return StepBudget(_count(where, count))
         case "nothing-left", []:
             return NothingLeft()
-    raise PalpateError(f"--stop: {text!r} was found; {choices(RULES)}")
+    raise PalpateError(f"--stop: {text!r} was found{_near_kind(kind, RULES)}; {choices(RULES)}")
 
 
 def costs(network: Network, texts: Sequence[str]) -> dict[str, float]:
     """``--cost action=seconds``: the cost of every action [s], the network's own unless given."""
-    found = {name: action.cost_s for name, action in network.actions.items()}
-    for text in _listed(texts):
+    given: dict[str, float] = {}
+    for text in _listed("--cost", texts):
         action, equals, seconds = text.partition("=")
         if not equals:
             raise PalpateError(f"--cost: {text!r} was found, expected ACTION=SECONDS")
         _check_action("--cost", network, action)
-        found[action] = number_of(f"--cost {action}", seconds)
-    return found
+        if action in given:
+            found = f"two costs, {given[action]:g} and {seconds}, were found"
+            raise PalpateError(f"--cost {action}: {found}, expected one")
+        given[action] = number_of(f"--cost {action}", seconds)
+    return {name: action.cost_s for name, action in network.actions.items()} | given
 
 
 def _check_action(where: str, network: Network, name: str) -> None:
     if name not in network.actions:
-        raise PalpateError(f"{where}: unknown action {name!r}; {choices(network.actions)}")
+        hint = near(name, network.actions)
+        raise PalpateError(f"{where}: unknown action {name!r}{hint}; {choices(network.actions)}")
+
+
+def _near_kind(kind: str, forms: Iterable[str]) -> str:
+    """The word that was probably meant, of those that stand before the colon."""
+    return near(kind, (form.partition(":")[0] for form in forms))
 
 
 def _property(where: str, network: Network, name: str, *, categorical: bool) -> str:
@@ -158,5 +174,5 @@ def _property(where: str, network: Network, name: str, *, categorical: bool) -> 
     fitting = [known for known, is_categorical in kinds.items() if is_categorical == categorical]
     if name not in fitting:
         kind = "categorical" if categorical else "continuous"
-        raise PalpateError(f"{where}: {name!r} is no {kind} property; {choices(fitting)}")
+        raise PalpateError(f"{where}: {name!r}{near(name, fitting)} is no {kind} property; {choices(fitting)}")
     return name

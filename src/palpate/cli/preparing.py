@@ -15,6 +15,7 @@ from palpate.episode import About, read_episode
 from palpate.errors import PalpateError, choices
 from palpate.inference.belief import Belief
 from palpate.logfile import EPISODE_FORMAT, SESSION_FORMAT, read_lines
+from palpate.loop import check_robot
 from palpate.network.model import KnownObject, Network
 from palpate.network.reading import load_network
 from palpate.robots.protocol import Robot
@@ -22,10 +23,13 @@ from palpate.robots.replay import ReplayRobot
 from palpate.robots.sampled import SampledRobot
 from palpate.robots.session import read_session, shipped_session
 from palpate.selection.objectives import Objective
-from palpate.selection.policies import Policy
+from palpate.selection.policies import Policy, Random
 from palpate.selection.stopping import StoppingRule
 
 __all__ = ["Asked", "Ready", "prepare"]
+
+FORESEEING = ("look-ahead", "static")
+"""Policies that need probabilities of outcomes yet to come."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +46,7 @@ class Asked:
     costs: Sequence[str]
     repeat: bool
     engine: str
+    preset: str | None
     replay: bool
     session: Path | None
     seed: int | None
@@ -56,7 +61,9 @@ class Asked:
         Outcomes are drawn from household-filled, as three columns of a camera's table in household
         are empty and would tell nothing.
         """
-        return load_network(self.network or ("household" if self.replay else "household-filled"))
+        return load_network(
+            ("household" if self.replay else "household-filled") if self.network is None else self.network
+        )
 
 
 @dataclass(frozen=True)
@@ -92,6 +99,10 @@ def prepare(asked: Asked) -> Ready:
         options.number_of("--budget", str(asked.budget_s))
     if asked.timeout_s is not None:
         options.number_of("--timeout", str(asked.timeout_s), least=1e-3)
+    if asked.engine != "exact" and asked.policy.startswith(FORESEEING):
+        raise PalpateError(
+            f"--policy {asked.policy} looks ahead, which needs --engine exact, and {asked.engine} was found"
+        )
     words = options.stopping_words(asked.stop, asked.budget_s, asked.steps)
     if asked.repeat and set(words.split(",")) == {"nothing-left"}:
         raise PalpateError(
@@ -100,26 +111,26 @@ def prepare(asked: Asked) -> Ready:
     seed = secrets.randbelow(2**32) if asked.seed is None else asked.seed
     of_policy, of_robot = np.random.default_rng(seed).spawn(2)
     robot, thing, notes = _replayed(asked) if asked.replay else _sampled(asked, network, of_robot)
-    for action in robot.actions():
-        network.action(action)
+    check_robot(network, robot)
     objective = options.objective(network, asked.learn)
     costs_s = options.costs(network, asked.costs)
+    policy = options.policy(network, asked.policy)
     about = About(
         objective=objective.name,
         policy=asked.policy,
         stopping=words,
         robot="replay" if asked.replay else "sampled",
         object=thing,
-        seed=seed,
+        seed=None if asked.replay and not isinstance(policy, Random) else seed,
         repeat=asked.repeat,
         costs_s=costs_s,
     )
     return Ready(
-        prior=prior_belief(asked.engine, network),
+        prior=prior_belief(asked.engine, network, asked.preset, seed),
         robot=robot,
         known=network.objects.get(thing) if thing else None,
         objective=objective,
-        policy=options.policy(network, asked.policy),
+        policy=policy,
         stopping=options.stopping(network, asked.stop, asked.budget_s, asked.steps),
         costs_s=costs_s,
         rng=of_policy,

@@ -13,6 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from palpate.cli.belief_view import Scale, belief_table, bits_bar, plain_table
+from palpate.cli.surprise import SURPRISING, impossible
 from palpate.explore import Step
 from palpate.figures.wording import number, outcome_words, plural
 from palpate.inference.belief import Belief
@@ -22,7 +23,6 @@ from palpate.selection.policies import Choice
 
 __all__ = ["View"]
 
-SURPRISING = 0.01
 GAP = 3
 
 
@@ -76,7 +76,9 @@ class View:
         returned = self._returned(step.action, step.outcome)
         title = Text.assemble(f"Step {step.index}  ", (step.action, "bold cyan"), "  returned  ", (returned, "bold"))
         body = _Beside(self.gains(step.gains_bits, step.action), self._learned(step), self.belief(step.after))
-        parts = [body, *self._notes(step.notices)]
+        warning = impossible(step.surprise)
+        suspected = [Text(), Text(warning, style="bold red")] if warning else []
+        parts = [body, *suspected, *self._notes(step.notices)]
         return Group(Rule(title, align="left", style="dim"), Padding(Group(*parts), (0, 0, 1, 1)))
 
     def pending(self, choice: Choice, action: str) -> RenderableType:

@@ -9,6 +9,7 @@ from palpate.cli.belief_view import plain_table
 from palpate.figures.wording import number
 from palpate.inference.belief import Belief
 from palpate.inference.marginals import ContinuousMarginal
+from palpate.inference.message_passing.marginals import UnsaidMarginal
 from palpate.network.model import KnownObject, TrueValue
 
 __all__ = ["truth_table"]
@@ -34,6 +35,8 @@ def _verdict(belief: Belief, name: str, true: TrueValue) -> Text:
     if not true.scored:
         return Text("not scored", style="dim")
     marginal = belief.marginal(name)
+    if isinstance(marginal, UnsaidMarginal):
+        return Text("not said by this engine", style="dim")
     if isinstance(marginal, ContinuousMarginal):
         inside = marginal.quantile(0.05) <= float(true.value) <= marginal.quantile(0.95)
         return _mark(inside, "inside the 90 % interval" if inside else "outside the 90 % interval")

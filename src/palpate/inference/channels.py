@@ -16,7 +16,7 @@ from scipy import special
 from palpate.inference.mesh import ORDER, WIDTH, Mesh
 from palpate.network.sensors import Kernel, NormalNoise, NumberOutcome, NumberSensor, StudentTNoise
 
-__all__ = ["OUTCOME", "NumberChannel"]
+__all__ = ["OUTCOME", "NumberChannel", "reading_ends", "reading_mesh"]
 
 Array = NDArray[np.float64]
 
@@ -39,29 +39,22 @@ class NumberChannel:
     ----------
     past
         The sensor's readings so far.
+    held
+        The nodes of the measured property that hold something in any configuration.
     own
-        The mesh of the measured property.
-    meshes
-        Of the measured property: its own and those of its charts with
-        other members, where it can be narrower given them. The panels that hold something.
-    corners
-        Where densities of the measured property have an end.
-    only_noise
-        Whether the property can be far narrower given other evidence than its meshes show.
+        The mesh of these nodes.
+    readings
+        The mesh of readings.
     """
 
     def __init__(
-        self,
-        sensor: NumberSensor,
-        past: Sequence[NumberOutcome],
-        own: Mesh,
-        meshes: Sequence[Mesh],
-        corners: Array,
-        only_noise: bool,
+        self, sensor: NumberSensor, past: Sequence[NumberOutcome], held: slice, own: Mesh, readings: Mesh
     ) -> None:
         self.sensor = sensor
         self.past = past
-        self.readings = _reading_mesh(sensor, meshes, corners, only_noise)
+        self.held = held
+        self.own = own
+        self.readings = readings
         self._tables: dict[bytes, Array] = {}
         self.noise_nats = _noise_nats(sensor, sensor.predictive(past, own.nodes))
 
@@ -92,10 +85,6 @@ class NumberChannel:
         blurred = replace(kernel, scale=np.maximum(kernel.scale, least[:, None]))
         return _columns(self.sensor, blurred, self.readings)
 
-    def differential(self, p: Array) -> float:
-        """What makes -sum p ln p of the reading a differential entropy: the mean log weight [nats]."""
-        return float(p[: self.readings.size] @ self.readings.log_weights)
-
 
 def _columns(sensor: NumberSensor, kernel: Kernel, readings: Mesh) -> Array:
     columns = [kernel.density(readings.nodes) * readings.weights]
@@ -106,16 +95,34 @@ def _columns(sensor: NumberSensor, kernel: Kernel, readings: Mesh) -> Array:
     return columns[0] if len(columns) == 1 else np.hstack(columns)
 
 
-def _reading_mesh(sensor: NumberSensor, meshes: Sequence[Mesh], corners: Array, only_noise: bool) -> Mesh:
-    """A mesh for readings, as fine as the noise and the finest mesh of the measured property ask for."""
-    ends = np.array([min(m.edges[0] for m in meshes), max(m.edges[-1] for m in meshes)])
-    reach, sharp = NORMAL_REACH, 1.0
+def reading_ends(sensor: NumberSensor, low: float, high: float) -> tuple[float, float]:
+    """Ends of the readings that true values from low to high give, where the sensor does not saturate."""
+    reach = NORMAL_REACH
     if isinstance(sensor.noise, StudentTNoise):
-        reach, sharp = float(-special.stdtrit(sensor.noise.dof, HEAVY_TAIL)), HEAVY_SHARP
-    far = float(np.hypot(sensor.scale(ends).max(), sensor.offset_sd)) * reach
-    low, high = max(ends[0] - far, sensor.low), min(ends[1] + far, sensor.high)
+        reach = float(-special.stdtrit(sensor.noise.dof, HEAVY_TAIL))
+    far = reach * float(np.hypot(sensor.scale(np.array([low, high])).max(), sensor.offset_sd))
+    low, high = max(low - far, sensor.low), min(high + far, sensor.high)
     if not low < high:  # all readings saturate; a mesh that holds nothing keeps the shapes
-        low, high = (sensor.high - 1e-6, sensor.high) if low >= sensor.high else (sensor.low, sensor.low + 1e-6)
+        return (sensor.high - 1e-6, sensor.high) if low >= sensor.high else (sensor.low, sensor.low + 1e-6)
+    return low, high
+
+
+def reading_mesh(sensor: NumberSensor, meshes: Sequence[Mesh], corners: Array, only_noise: bool) -> Mesh:
+    """A mesh for readings, as fine as the noise and the finest mesh of the measured property ask for.
+
+    Parameters
+    ----------
+    meshes
+        Of the measured property: its own and those of its charts with
+        other members, where it can be narrower given them. The panels that hold something.
+    corners
+        Where densities of the measured property have an end.
+    only_noise
+        Whether the property can be far narrower given other evidence than its meshes show.
+    """
+    ends = np.array([min(m.edges[0] for m in meshes), max(m.edges[-1] for m in meshes)])
+    sharp = HEAVY_SHARP if isinstance(sensor.noise, StudentTNoise) else 1.0
+    low, high = reading_ends(sensor, ends[0], ends[1])
     y = _sampled(low, high, meshes)
     inside = np.clip(y, *ends)
     noise = np.hypot(sensor.scale(inside), sensor.offset_sd)

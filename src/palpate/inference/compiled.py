@@ -16,8 +16,9 @@ from palpate.inference.group import Group, groups_of
 from palpate.inference.readings import GroupBelief
 from palpate.inference.targets import Target
 from palpate.inference.tensors import Table
-from palpate.network.model import Network
+from palpate.network.model import Action, Network
 from palpate.network.properties import CategoricalProperty
+from palpate.network.sensors import ConfusionSensor
 
 __all__ = ["Compiled", "compiled"]
 
@@ -46,12 +47,24 @@ class Compiled:
     priors: tuple[GroupBelief, ...]
     home: Mapping[str, int]
     _targets: dict[Objective, Target] = field(default_factory=dict)
+    _labels: dict[tuple[str, str], tuple[Array, Array]] = field(default_factory=dict)
 
     def target(self, network: Network, objective: Objective) -> Target:
         """The parts of an objective, worked out once."""
         if objective not in self._targets:
             self._targets[objective] = Target(network, self.groups, objective)
         return self._targets[objective]
+
+    def first_label(self, action: Action, label: str) -> tuple[Array, Array]:
+        """p(label | state), and its natural log shaped to broadcast over the joint table, worked out once."""
+        key = (action.name, label)
+        if key not in self._labels:
+            assert isinstance(action.sensor, ConfusionSensor)
+            factor = action.sensor.likelihood([label])
+            with np.errstate(divide="ignore"):
+                log_factor = self.along(Table(np.log(factor), (action.sensor.property,)))
+            self._labels[key] = factor, log_factor
+        return self._labels[key]
 
     def along(self, table: Table) -> Array:
         """The values of a table over categorical properties, shaped to broadcast over the joint table."""

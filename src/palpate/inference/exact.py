@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Self
@@ -20,7 +21,7 @@ from palpate.inference.predictions import LabelPrediction, NumberPrediction
 from palpate.inference.readings import GroupBelief
 from palpate.inference.realised import realised_gain
 from palpate.inference.sampling import sample
-from palpate.inference.tensors import Table, contract, product
+from palpate.inference.tensors import Table, contract
 from palpate.inference.trim import per_mass
 from palpate.inference.window import Readings
 from palpate.network.admission import AdmittedOutcome, StateLikelihood, admit
@@ -59,6 +60,7 @@ class ExactBelief:
     def __init__(self, network: Network) -> None:
         parts = compiled(network)
         self._fill(network, parts, (), {}, parts.priors, parts.log_prior)
+        self.normalise()
 
     def _fill(
         self,
@@ -74,17 +76,29 @@ class ExactBelief:
         self.evidence = evidence
         self.groups = groups
         self._factors = factors  # action -> likelihood of its labels and vectors over its property's states
-        self._log_joint = log_joint  # of the categorical properties and all evidence [nats]
-        peak = float(log_joint.max())
-        if peak == -np.inf:
-            raise _impossible(evidence[-1], len(evidence))
-        joint = np.exp(log_joint - peak)
-        total = float(joint.sum())
-        self.log_evidence = peak + float(np.log(total))
-        self.joint = Table(joint / total, parts.axes)
+        self.log_joint = log_joint  # of the categorical properties and all evidence [nats]
         self._latest: tuple[str, AdmittedOutcome, Self] | None = None
-        self._joints: dict[tuple[str, ...], Table] = {}
-        self._axis_masses: dict[tuple[tuple[str, ...], str], Array] = {}
+
+    @cached_property
+    def _joints(self) -> dict[tuple[str, ...], Table]:
+        return {}
+
+    @cached_property
+    def _axis_masses(self) -> dict[tuple[tuple[str, ...], str], Array]:
+        return {}
+
+    def normalise(self) -> None:
+        """Make a distribution of the log joint."""
+        peak = float(self.log_joint.max())
+        if peak == -np.inf:
+            raise _impossible(self.evidence[-1], len(self.evidence))
+        joint = np.exp(self.log_joint - peak)
+        total = float(joint.sum())
+        self.settle(joint / total, peak + math.log(total))
+
+    def settle(self, joint: Array, log_evidence: float) -> None:
+        """Take over the log joint made a distribution, and the log of its sum [nats]."""
+        self.joint, self.log_evidence = Table(joint, self.parts.axes), log_evidence
 
     # -- evidence ---------------------------------------------------------------------------
 
@@ -101,26 +115,38 @@ class ExactBelief:
         admitted = admit(self.network, action, outcome).outcome
         if self._latest and not isinstance(admitted, StateLikelihood) and self._latest[:2] == (action, admitted):
             return self._latest[2]  # asked for its predictive probability just before
+        after = self.unsettled(action, admitted)
+        after.normalise()
+        self._latest = (action, admitted, after)
+        return after
+
+    def unsettled(self, action: str, admitted: AdmittedOutcome, first: GroupBelief | None = None) -> Self:
+        """The belief after one more outcome, its log joint not yet made a distribution.
+
+        Parameters
+        ----------
+        first
+            The measured property's group given this outcome, where it is the group's first.
+        """
         evidence = (*self.evidence, Observation(action, admitted))
-        factors, groups, log_joint = self._factors, self.groups, self._log_joint
+        factors, groups, log_joint = self._factors, self.groups, self.log_joint
         measured = self.network.actions[action].sensor.property
-        if isinstance(admitted, Label | StateLikelihood):
+        if isinstance(admitted, Label) and action not in factors:
+            factor, log_factor = self.parts.first_label(self.network.actions[action], admitted.label)
+            factors, log_joint = {**factors, action: factor}, log_joint + log_factor
+        elif isinstance(admitted, Label | StateLikelihood):
             factors = {**factors, action: self._factor(action, evidence)}
-            if action in self._factors:
-                log_joint = self._from_scratch(factors, groups)
-            else:
-                with np.errstate(divide="ignore"):
-                    log_joint = log_joint + self.parts.along(Table(np.log(factors[action]), (measured,)))
+            log_joint = self._from_scratch(factors, groups)
         elif not isinstance(admitted, Failed):
             home = self.parts.home[measured]
-            groups = self._regrouped(home, measured, evidence)
-            if self.groups[home].touched:
-                log_joint = self._from_scratch(factors, groups)
-            else:
-                log_joint = log_joint + self.parts.along(groups[home].log_evidence)
+            seen = groups[home].touched
+            own = first or GroupBelief(
+                groups[home].group, {**groups[home].readings, measured: self.readings(measured, evidence)}
+            )
+            groups = (*groups[:home], own, *groups[home + 1 :])
+            log_joint = self._from_scratch(factors, groups) if seen else log_joint + self.parts.along(own.log_evidence)
         after = type(self).__new__(type(self))
         after._fill(self.network, self.parts, evidence, factors, groups, log_joint)
-        self._latest = (action, admitted, after)
         return after
 
     def _from_scratch(self, factors: Mapping[str, Array], groups: Sequence[GroupBelief]) -> Array:
@@ -145,11 +171,6 @@ class ExactBelief:
             if isinstance(outcome, StateLikelihood):
                 factor = factor * outcome.values
         return factor
-
-    def _regrouped(self, home: int, measured: str, evidence: Sequence[Observation]) -> tuple[GroupBelief, ...]:
-        old = self.groups[home]
-        new = GroupBelief(old.group, {**old.readings, measured: self.readings(measured, evidence)})
-        return (*self.groups[:home], new, *self.groups[home + 1 :])
 
     def readings(self, measured: str, evidence: Sequence[Observation] | None = None) -> Readings:
         """The readings of a property, per action the sensor and the outcomes."""
@@ -242,7 +263,7 @@ class ExactBelief:
         key = (frame.axes, name)
         if key not in self._axis_masses:
             weights = per_mass(self.categorical(group.group.parents), group.mass(frame))
-            self._axis_masses[key] = product(weights, group.mass(frame, name), (name,)).values
+            self._axis_masses[key] = contract((weights, *group.reduced(frame, name)), (name,)).values
         return self._axis_masses[key]
 
     def with_nodes(self, members: tuple[str, ...], names: tuple[str, ...]) -> Table:

@@ -89,10 +89,9 @@ class _Answer:
         self.parents = home.group.parents
         given = view.kept(home.given(channel)).values
         self.table = given.reshape(-1, given.shape[-1])
-        p = view.categorical(self.parents).values.ravel() @ self.table
-        self.before = -sum_p_log_p(p)
-        masses = view.belief.masses(sensor.property)
-        return self.before + channel.differential(p) - float(masses @ channel.noise_nats)
+        weights = view.categorical(self.parents).values.ravel()
+        self.before = -sum_p_log_p(weights @ self.table)
+        return self.before - float(weights @ view.kept(home.noise(channel)).values.ravel())
 
     def _beside(self, view: Trimmed, action: str, sensor: NumberSensor) -> None:
         """Objectives with members in the measured property's own group."""
@@ -124,7 +123,7 @@ def _through_configurations(view: Trimmed, answers: Sequence[_Answer]) -> None:
 def _joint_nats(rows: Rows, parents: tuple[str, ...], answers: Sequence[_Answer]) -> None:
     """H(Y) - H(Y | Z) of the answers whose channels have the same parents, in one product."""
     matrix, starts = rows.over(parents, [i for a in answers for i in a.open])
-    joint = matrix @ (answers[0].table if len(answers) == 1 else np.hstack([a.table for a in answers]))
+    joint = matrix.T @ (answers[0].table if len(answers) == 1 else np.hstack([a.table for a in answers]))
     joint *= np.log(np.maximum(joint, TINY))
     ends = [0, *accumulate(a.table.shape[1] for a in answers)]
     minus = np.add.reduceat(np.add.reduceat(joint, ends[:-1], axis=1), list(starts.values()), axis=0)

@@ -6,8 +6,9 @@ here does not depend on evidence; `palpate.inference.evidence` adds that.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import combinations
 
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.inference.axes import ALONE, base_mesh, derived_mesh, scale_given
+from palpate.inference.channels import reading_ends, reading_mesh
 from palpate.inference.chart import Chart, Frame, MasterChart
 from palpate.inference.mesh import Mesh
 from palpate.inference.window import Window, cut
@@ -30,8 +32,12 @@ Names = tuple[str, ...]
 
 MASTER_PANELS = 4000
 MASTER_LEVELS = 2
+FEW = 16
+"""Panels of readings up to which they are as narrow as the noise asks for."""
 SHARP = 0.7
 """Share of a sensor's noise that meshes resolve beside it: a few readings together are sharper than one."""
+BLUNT = 0.9 * SHARP
+"""Share of a sensor's noise that evidence may be as sharp as for meshes to resolve it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,23 +190,28 @@ class Group:
         if not self._blunt(frame.axes[-1], window):
             return None
         for level in range(MASTER_LEVELS):
-            mesh = self._master_mesh(frame, level)
+            mesh = self.master_mesh(frame, level)
             panels = window.panels(mesh)
             if panels is None:
                 return None
             if window.resolved(mesh, *panels):
-                key = (frame.axes, level)
-                if key not in self._masters:
-                    self._masters[key] = MasterChart(frame, {**self.meshes(frame), frame.axes[-1]: mesh})
-                return self._masters[key].window(*panels)
+                return self.master(frame, level).window(*panels)
         return None
+
+    def master(self, frame: Frame, level: int) -> MasterChart:
+        """The chart without evidence on the master mesh of its last axis."""
+        key = (frame.axes, level)
+        if key not in self._masters:
+            meshes = {**self.meshes(frame), frame.axes[-1]: self.master_mesh(frame, level)}
+            self._masters[key] = MasterChart(frame, meshes)
+        return self._masters[key]
 
     def whole_chart(self, frame: Frame, window: Window) -> Chart | None:
         """The chart without evidence of one density alone, on a mesh that resolves its sensors.
 
         None where the evidence is sharper than the sensors, or lies beyond the mesh.
         """
-        mesh = self._master_mesh(frame, 0)
+        mesh = self.master_mesh(frame, 0)
         if not self._blunt(frame.axes[-1], window) or any(
             low > mesh.edges[-1] or high < mesh.edges[0] for low, high, _ in window.fine
         ):
@@ -209,8 +220,12 @@ class Group:
         sharp = Window(window.low, window.high, tuple((low, high, ALONE * scale) for low, high, scale in window.fine))
         if not sharp.resolved(mesh, 0, len(mesh.edges) - 1):
             return None
+        return self.whole(frame)
+
+    def whole(self, frame: Frame) -> Chart:
+        """The chart without evidence of one density alone, on its master mesh."""
         if frame.axes not in self._wholes:
-            self._wholes[frame.axes] = frame.chart({frame.axes[-1]: mesh})
+            self._wholes[frame.axes] = frame.chart({frame.axes[-1]: self.master_mesh(frame, 0)})
         return self._wholes[frame.axes]
 
     @cached_property
@@ -220,11 +235,13 @@ class Group:
     def _blunt(self, name: str, window: Window) -> bool:
         """Whether evidence on a member is no sharper than the other axes' meshes are made for."""
         own = [s for s in self.sensors if s.property == name]
-        return bool(own) and all(
-            scale >= 0.9 * SHARP * _noise(own, np.array([low, high])).min() for low, high, scale in window.fine
-        )
+        if not own:
+            return False
+        if not any(s.relative_sd for s in own):
+            return all(scale >= BLUNT * math.hypot(s.sd, s.offset_sd) for *_, scale in window.fine for s in own)
+        return all(scale >= BLUNT * _noise(own, np.array([low, high])).min() for low, high, scale in window.fine)
 
-    def _master_mesh(self, frame: Frame, level: int) -> Mesh:
+    def master_mesh(self, frame: Frame, level: int) -> Mesh:
         """The prior mesh of the last axis cut so that it resolves its sensors; finer by halves at each level."""
         key = (frame.axes, level)
         if key not in self._master_meshes:
@@ -235,8 +252,39 @@ class Group:
             least = prior.edges[-1] / MASTER_PANELS
             alone = SHARP * ALONE if len(frame.axes) == 1 else 1.0
             scale = np.maximum(alone * _noise(own, middles), least) if own else np.diff(prior.edges)
-            self._master_meshes[key] = cut(prior, scale) if level == 0 else self._master_mesh(frame, level - 1).halved()
+            self._master_meshes[key] = cut(prior, scale) if level == 0 else self.master_mesh(frame, level - 1).halved()
         return self._master_meshes[key]
+
+    def reading_mesh(self, sensor: NumberSensor, again: bool, low: float, high: float) -> Mesh | None:
+        """A mesh of readings of a member between two values, as fine as the noise; None where that is far to go.
+
+        Parameters
+        ----------
+        again
+            Whether the sensor has been read before, and what its readings share is known.
+        """
+        master = self._reading_master(sensor, again)
+        low, high = reading_ends(sensor, low, high)
+        if low < master.edges[0] or high > master.edges[-1]:
+            return None
+        first = int(np.searchsorted(master.edges, low, "right")) - 1
+        last = int(np.searchsorted(master.edges, high))
+        return master.between(first, last) if first < last <= first + FEW else None
+
+    def _reading_master(self, sensor: NumberSensor, again: bool) -> Mesh:
+        """The mesh of all readings that the prior leaves possible, and of some beyond."""
+        key = (id(sensor), again)
+        if key not in self._reading_masters:
+            frame = self.frame((sensor.property,))
+            assert frame is not None, "every member is an axis of some chart"
+            own, corners = self.mesh(frame, sensor.property), self.corners(sensor.property)
+            alone = replace(sensor, offset_sd=0.0) if again else sensor
+            self._reading_masters[key] = reading_mesh(alone, [own], corners, only_noise=True)
+        return self._reading_masters[key]
+
+    @cached_property
+    def _reading_masters(self) -> dict[tuple[int, bool], Mesh]:
+        return {}
 
     @cached_property
     def _meshes(self) -> dict[tuple[str, tuple[tuple[str, str], ...]], Mesh]:

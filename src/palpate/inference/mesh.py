@@ -22,7 +22,7 @@ ORDER = 6
 WIDTH = 4.0
 GRADED_PANELS = 4
 GRADED_RATIO = 10.0
-KERNEL_WIDTH = 3.0
+KERNEL_WIDTH = 4.0
 """Scales of a kernel that a panel may be wide for the kernel to be summed over the panel's nodes."""
 MAX_CUTS = 2000
 CHUNK = 20_000
@@ -213,7 +213,10 @@ class Mesh:
 
     def between(self, first: int, last: int) -> Mesh:
         """The mesh of panels first to last - 1."""
-        return Mesh(self.edges[first : last + 1], self.graded[first:last], self.origin)
+        part = Mesh(self.edges[first : last + 1], self.graded[first:last], self.origin)
+        nodes = slice(first * ORDER, last * ORDER)
+        part.__dict__["_placed"] = (self.nodes[nodes], self.weights[nodes])  # a panel's nodes depend on it alone
+        return part
 
     def longer(self, low: float, high: float) -> Mesh:
         """The mesh reaching half as far again at each end, within [low, high], by panels as wide as the last."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.errors import EvidenceError
-from palpate.inference.channels import OUTCOME, NumberChannel
+from palpate.inference.channels import OUTCOME, NumberChannel, reading_mesh
 from palpate.inference.chart import Chart, Frame
 from palpate.inference.group import Group
 from palpate.inference.mesh import ORDER, Mesh
@@ -23,8 +23,9 @@ __all__ = ["GroupBelief"]
 Array = NDArray[np.float64]
 Names = tuple[str, ...]
 
+EDGE_NODES = 2
 EDGE_MASS = 1e-6
-"""Share of a configuration's mass in the outermost panels at which a window is widened."""
+"""Share of a configuration's mass at the outermost nodes at which a window is widened."""
 FAINT_EDGE_MASS = 1e-2
 """The same for configurations that are 1e13 times less probable than another: they hardly ever matter."""
 TINY = 1e-290
@@ -46,21 +47,52 @@ class GroupBelief:
     ----------
     readings
         Property to its readings, per action the sensor and the outcomes.
+    log_evidence
+        What the property of that name would work out, where it is known already.
     """
 
-    def __init__(self, group: Group, readings: Mapping[str, Readings]) -> None:
+    def __init__(self, group: Group, readings: Mapping[str, Readings], log_evidence: Table | None = None) -> None:
         self.group = group
         self.readings = readings
         self.touched = frozenset(readings)
-        self._windows = {name: Window.of(r) for name, r in readings.items()}
-        self._charts: dict[Names, Chart] = {}
-        self._masses: dict[tuple[Names, Names], Table] = {}
-        self._channels: dict[tuple[int, bool], NumberChannel] = {}
-        self._given: dict[int, Table] = {}
-        self._through: dict[tuple[Names, int], Table] = {}
+        self._log_evidence = log_evidence
+
+    # What is worked out is kept: in dictionaries made when first asked for, as most beliefs of many are never asked.
+
+    @cached_property
+    def _windows(self) -> dict[str, Window]:
+        return {}
+
+    @cached_property
+    def _charts(self) -> dict[Names, Chart]:
+        return {}
+
+    @cached_property
+    def _masses(self) -> dict[tuple[Names, Names], Table]:
+        return {}
+
+    @cached_property
+    def _channels(self) -> dict[tuple[int, bool], NumberChannel]:
+        return {}
+
+    @cached_property
+    def _given(self) -> dict[int, Table]:
+        return {}
+
+    @cached_property
+    def _noise(self) -> dict[int, Table]:
+        return {}
+
+    @cached_property
+    def _through(self) -> dict[tuple[Names, int], Table]:
+        return {}
+
+    def _look(self) -> None:
+        """Find the windows of all readings, wide enough to hold what counts."""
+        self._windows = {name: Window.of(r) for name, r in self.readings.items()}
         for name in sorted(self.touched):
             self._check_reach(name)
-        for name in sorted(self.touched & group.derived.keys()):
+        for name in sorted(self.touched & self.group.derived.keys()):
             self._settle(name)
 
     def frame(self, *required: str) -> Frame | None:
@@ -75,6 +107,8 @@ class GroupBelief:
 
     def chart(self, frame: Frame) -> Chart:
         """The chart over some axes."""
+        if not self._windows and self.touched:
+            self._look()
         if frame.axes not in self._charts:
             self._charts[frame.axes] = self._made(frame)
             while self.touched and (longer := self._longer(frame)):
@@ -91,27 +125,34 @@ class GroupBelief:
 
         The last axis is summed out where it is not asked for, once for all that ask.
         """
-        chart = self.chart(frame)
-        if axes == frame.axes[-1:] and chart.totals is not None:
-            return (chart.totals, chart.along)
-        if frame.axes[-1] in axes or len(frame.axes) == 1:
-            return chart.factors
-        return chart.reduced
+        chart, last = self.chart(frame), frame.axes[-1:]
+        if axes == last and (chart.totals is not None or len(frame.axes) == 1):
+            return (self.mass(frame, *axes),)  # one table of no more numbers
+        return chart.factors if frame.axes[-1] in axes else chart.reduced
 
     def mass(self, frame: Frame, *axes: str) -> Table:
         """The chart's total per configuration, and per node of the given axes."""
         key = (frame.axes, axes)
         if key not in self._masses:
-            self._masses[key] = contract(self.reduced(frame, *axes), (*self.group.parents, *axes))
+            chart, last = self.chart(frame), frame.axes[-1:]
+            own = (*self.group.parents, *axes)
+            if axes == last and (chart.totals is not None or len(frame.axes) == 1):
+                self._masses[key] = contract((chart.totals or chart.tables[0], chart.along), own)
+            elif not axes and chart.totals is not None:
+                self._masses[key] = self.mass(frame, *last).sum_to(own)
+            else:
+                self._masses[key] = contract(self.reduced(frame, *axes), own)
         return self._masses[key]
 
-    @cached_property
+    @property
     def log_evidence(self) -> Table:
         """Natural log of p(readings | configuration); -inf where it is zero."""
-        frame = self.sure_frame()
-        with np.errstate(divide="ignore"):
-            values = np.log(self.mass(frame).values) + self.chart(frame).log_scale
-        return Table(values, self.group.parents)
+        if self._log_evidence is None:
+            frame = self.sure_frame()
+            with np.errstate(divide="ignore"):
+                values = np.log(self.mass(frame).values) + self.chart(frame).log_scale
+            self._log_evidence = Table(values, self.group.parents)
+        return self._log_evidence
 
     def others(self, measured: str) -> tuple[str, ...]:
         """Members that can be an axis beside a measured one."""
@@ -122,35 +163,54 @@ class GroupBelief:
         # The past readings are among the group's own; only whether they are this sensor's is new.
         key = (id(sensor), bool(past))
         if key not in self._channels:
-            measured = sensor.property
-            frames = [self.sure_frame(measured), *(self.sure_frame(m, measured) for m in self.others(measured))]
-            meshes = [self._filled(frame, measured) for frame in frames]
-            own = self.chart(frames[0]).meshes[measured]
-            narrow = bool(self.touched - {measured})
-            corners = self.group.corners(measured)
-            self._channels[key] = NumberChannel(sensor, past, own, meshes, corners, narrow)
+            held, own = self._filled(self.sure_frame(sensor.property), sensor.property)
+            readings = self._reading_mesh(sensor, own, bool(past))
+            self._channels[key] = NumberChannel(sensor, past, held, own, readings)
         return self._channels[key]
 
-    def _filled(self, frame: Frame, name: str) -> Mesh:
-        """The panels of an axis that hold something in any configuration."""
+    def _reading_mesh(self, sensor: NumberSensor, own: Mesh, again: bool) -> Mesh:
+        """Where readings of a member are looked at: as finely as the noise asks for, if they fill a short stretch."""
+        measured = sensor.property
+        if self.touched:
+            mesh = self.group.reading_mesh(sensor, again, float(own.edges[0]), float(own.edges[-1]))
+            if mesh is not None:
+                return mesh
+        beside = [self._filled(self.sure_frame(m, measured), measured)[1] for m in self.others(measured)]
+        narrow = bool(self.touched - {measured})
+        return reading_mesh(sensor, [own, *beside], self.group.corners(measured), narrow)
+
+    def _filled(self, frame: Frame, name: str) -> tuple[slice, Mesh]:
+        """The nodes of an axis whose panels hold something in any configuration, and the mesh of these panels."""
         mesh = self.chart(frame).meshes[name]
         masses = self.mass(frame, name).values.reshape(-1, mesh.size)
         share = (masses / np.maximum(masses.sum(axis=1, keepdims=True), TINY)).max(axis=0)
         held = np.flatnonzero(share > EMPTY)
-        return mesh.between(int(held[0]) // ORDER, int(held[-1]) // ORDER + 1)
+        first, last = int(held[0]) // ORDER, int(held[-1]) // ORDER + 1
+        return slice(first * ORDER, last * ORDER), mesh.between(first, last)
 
     def given(self, channel: NumberChannel) -> Table:
         """p(reading | configuration of the parents) x weights (configuration..., outcome)."""
         key = id(channel)
         if key not in self._given:
             measured = channel.sensor.property
-            frame = self.sure_frame(measured)
-            nodes = self.mass(frame, measured).values
-            table = nodes @ channel.table(self.chart(frame).meshes[measured])
+            masses = self.mass(self.sure_frame(measured), measured).values
+            table = masses[..., channel.held] @ channel.table(channel.own)
             total = table.sum(axis=-1, keepdims=True)
             given = np.divide(table, total, out=np.zeros_like(table), where=total > TINY)
             self._given[key] = Table(given, (*self.group.parents, OUTCOME))
         return self._given[key]
+
+    def noise(self, channel: NumberChannel) -> Table:
+        """Mean entropy of a reading given the measured member, less its mesh's, per configuration [nats]."""
+        key = id(channel)
+        if key not in self._noise:
+            masses = self.mass(self.sure_frame(channel.sensor.property), channel.sensor.property).values
+            masses = masses[..., channel.held]
+            total = np.maximum(masses.sum(axis=-1), TINY)
+            given = self.given(channel).values[..., : channel.readings.size]
+            values = masses @ channel.noise_nats / total - given @ channel.readings.log_weights
+            self._noise[key] = Table(values, self.group.parents)
+        return self._noise[key]
 
     def through(self, frame: Frame, channel: NumberChannel) -> tuple[Table, ...]:
         """The chart's tables with the measured axis replaced by the outcome, where that is worth keeping.
@@ -180,7 +240,9 @@ class GroupBelief:
     def log_likelihood(self, name: str, x: Array) -> Array:
         """Natural log of p(readings of the member | its value x), any shape."""
         flat = np.ravel(x)
-        total = sum((sensor.log_likelihood(outcomes, flat) for sensor, outcomes in self.readings[name]), 0.0 * flat)
+        first, *more = (sensor.log_likelihood(outcomes, flat) for sensor, outcomes in self.readings[name])
+        total = sum(more, first)
+        # Where a formula cannot be solved there is nothing, whatever was read.
         return np.where(np.isnan(total), -np.inf, total).reshape(np.shape(x))
 
     def _mesh(self, frame: Frame, name: str) -> Mesh:
@@ -220,8 +282,8 @@ class GroupBelief:
             return grown
         for name in (n for n in frame.axes if n not in self.touched and len(frame.axes) > 1):
             mesh, (low, high) = chart.meshes[name], self.group.support(name)
-            above = mesh.edges[-1] < high and self._held(frame, name, slice(-ORDER, None))
-            if above or (mesh.edges[0] > low and self._held(frame, name, slice(ORDER))):
+            above = mesh.edges[-1] < high and self._held(frame, name, slice(-EDGE_NODES, None))
+            if above or (mesh.edges[0] > low and self._held(frame, name, slice(EDGE_NODES))):
                 grown[name] = mesh.longer(low, high)
         return grown
 
@@ -231,7 +293,7 @@ class GroupBelief:
         cut = [Table(t.values[tuple(end if n == name else ALL for n in t.names)], t.names) for t in tables]
         total = self.mass(frame).values
         most, least = total.max(), EDGE_MASS * 1e-13
-        if prod(float(t.values.max()) for t in cut) * ORDER < least * most:
+        if prod(float(t.values.max()) for t in cut) * EDGE_NODES < least * most:
             return False  # no configuration can: the common case, found without their tables
         mass = contract(cut, self.group.parents).values
         return bool((mass > np.where(total > most * 1e-13, EDGE_MASS, FAINT_EDGE_MASS) * total + TINY).any())
@@ -297,5 +359,5 @@ class GroupBelief:
         masses = self.mass(frame, name).values.reshape(-1, mesh.size)
         total = masses.sum(axis=1)
         faint = np.where(total > total.max() * 1e-13, EDGE_MASS, FAINT_EDGE_MASS) * total + TINY
-        at_low, at_high = masses[:, :ORDER].sum(axis=1), masses[:, -ORDER:].sum(axis=1)
+        at_low, at_high = masses[:, :EDGE_NODES].sum(axis=1), masses[:, -EDGE_NODES:].sum(axis=1)
         return bool(low_open and (at_low > faint).any()), bool(high_open and (at_high > faint).any())

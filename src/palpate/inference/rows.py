@@ -20,12 +20,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Joint tables stacked on top of each other.
+    """Joint tables side by side: rows are the last axis, along which memory runs.
 
     Parameters
     ----------
     values
-        (rows, states of each of `names`...); the rows of each objective sum to one.
+        (states of each of `names`..., rows); the rows of each objective sum to one.
     places
         Objective's number to its rows, in the order in which they are stacked.
     sum_p_log_p
@@ -43,23 +43,23 @@ class Rows:
         Returns
         -------
         matrix, starts
-            (rows, configurations); objective's number to its first row.
+            (configurations, rows); objective's number to its first row.
         """
         wanted = set(objectives)
         chosen = [i for i in self.places if i in wanted]
         rows = slice(self.places[chosen[0]].start, self.places[chosen[-1]].stop)
-        drop = tuple(i + 1 for i, n in enumerate(self.names) if n not in names)
-        values = self.values[rows].sum(axis=drop) if drop else self.values[rows]
+        drop = tuple(i for i, n in enumerate(self.names) if n not in names)
+        values = self.values[..., rows].sum(axis=drop) if drop else self.values[..., rows]
         between = [i for i in self.places if rows.start <= self.places[i].start < rows.stop]
-        return values.reshape(len(values), -1), {i: self.places[i].start - rows.start for i in between}
+        return values.reshape(-1, values.shape[-1]), {i: self.places[i].start - rows.start for i in between}
 
 
 def stacked(view: Trimmed, targets: Mapping[int, Target], names: tuple[str, ...]) -> Rows:
     """The rows of all objectives, each with the categorical properties `names`."""
     blocks = [_block(view, target, names) for target in targets.values()]
-    values = np.concatenate(blocks) if len(blocks) > 1 else blocks[0]
-    ends = [0, *accumulate(len(b) for b in blocks)]
-    totals = values.reshape(len(values), -1).sum(axis=1)
+    values = np.concatenate(blocks, axis=-1) if len(blocks) > 1 else blocks[0]
+    ends = [0, *accumulate(b.shape[-1] for b in blocks)]
+    totals = values.reshape(-1, ends[-1]).sum(axis=0)
     logs = np.add.reduceat(totals * np.log(np.maximum(totals, TINY)), ends[:-1]).tolist()
     places = {i: slice(*ends[k : k + 2]) for k, i in enumerate(targets)}
     return Rows(values, names, places, dict(zip(targets, logs, strict=True)))
@@ -69,14 +69,12 @@ def _block(view: Trimmed, target: Target, names: tuple[str, ...]) -> Array:
     """Joint of an objective (flattened to rows) and of the named categorical properties."""
     own = tuple(n for n in target.categorical if n in names)
     beside = tuple(n for n in target.categorical if n not in names)
-    table = view.joint(view.members(target), (*beside, *names)).values
-    shape = table.shape[table.ndim - len(names) :]
-    table = table.reshape(-1, *shape)
+    table = view.joint(view.members(target), (*names, *beside)).values
+    shape = table.shape[: len(names)]
+    table = table.reshape(*shape, -1)
     for name in own:
         # A property that is both the row's and the column's: the diagonal of the two.
         axis = names.index(name)
-        diagonal = np.eye(shape[axis]).reshape(
-            [shape[axis], *(shape[axis] if i == axis else 1 for i in range(len(shape)))]
-        )
-        table = (table[:, None] * diagonal).reshape(-1, *shape)
+        diagonal = np.eye(shape[axis]).reshape([shape[axis] if i == axis else 1 for i in range(len(shape))] + [-1, 1])
+        table = (table[..., None, :] * diagonal).reshape(*shape, -1)
     return table

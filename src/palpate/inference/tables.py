@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from palpate.inference.channels import OUTCOME
 from palpate.inference.exact import ExactBelief
 from palpate.inference.tensors import Table
+from palpate.information import TINY
 from palpate.network.sensors import ConfusionSensor
 from palpate.outcomes import Above, Below, Label, Outcome, Reading
 
-__all__ = ["independent", "outcome_table", "outcomes_of"]
+__all__ = ["independent", "noise_nats", "outcome_table", "outcomes_of"]
 
 Array = NDArray[np.float64]
 
@@ -35,6 +36,20 @@ def outcome_table(belief: ExactBelief, action: str) -> Table:
         return Table(values, (sensor.property, OUTCOME))
     group = belief.groups[belief.parts.home[sensor.property]]
     return group.given(group.channel(sensor, belief.outcomes_of(action)))
+
+
+def noise_nats(belief: ExactBelief, action: str) -> Array:
+    """What an outcome's entropy is on average given the measured property, per configuration (configurations,) [nats].
+
+    Of readings it is counted so that -sum p ln p of `outcome_table`'s columns, less this, is the
+    information about the measured property.
+    """
+    sensor = belief.network.action(action).sensor
+    if isinstance(sensor, ConfusionSensor):
+        table = outcome_table(belief, action).values
+        return -np.asarray((table * np.log(np.maximum(table, TINY))).sum(axis=-1))
+    group = belief.groups[belief.parts.home[sensor.property]]
+    return group.noise(group.channel(sensor, belief.outcomes_of(action))).values.ravel()
 
 
 def independent(belief: ExactBelief, actions: Sequence[str]) -> bool:

@@ -1,7 +1,7 @@
 """Tables whose axes are named, and the one operation on them: multiply and sum out.
 
-`numpy.einsum` does the same but spends more time on its subscripts than on tables of this size;
-here the plan for each pair of name tuples is made once.
+`numpy.einsum` does the same but spends more time on its subscripts than on tables of this size, and
+does not use matrix products; here the plan for each pair of name tuples is made once.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from math import prod
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Table", "contract", "letters", "product"]
+__all__ = ["Table", "contract", "product"]
 
 Array = NDArray[np.float64]
 Names = tuple[str, ...]
@@ -34,7 +34,7 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class _Plan:
-    """How to multiply two tables: as a broadcast product, as one matrix product, or by einsum.
+    """How to multiply two tables: as a broadcast product, as one matrix product, or as a stack of them.
 
     Orders are of the operands' axes after those that neither the other table nor the result has
     were summed.
@@ -48,7 +48,6 @@ class _Plan:
     summed: int
     first_a: bool
     first_b: bool
-    subscripts: str
     order_out: tuple[int, ...]
 
 
@@ -60,31 +59,17 @@ def _plan(a: Names, b: Names, out: Names) -> _Plan:
     batch = [n for n in out if n in a and n in b]
     free_a, free_b = [n for n in a if n not in b], [n for n in b if n not in a]
     summed = [n for n in b if n in a and n not in out]
-    subscripts = letters(a, b, out)
-    if summed and batch:
-        return _Plan(drop_a, drop_b, "einsum", (), (), 0, False, False, subscripts, ())
     if not summed:
         order_a, order_b = (tuple(x.index(n) if n in x else -1 for n in out) for x in (a, b))
-        return _Plan(drop_a, drop_b, "multiply", order_a, order_b, 0, False, False, subscripts, ())
+        return _Plan(drop_a, drop_b, "multiply", order_a, order_b, 0, False, False, ())
     # Summed axes stand first where they already do, last elsewhere: that saves copies.
-    first_a, first_b = a[0] in summed, b[0] in summed
-    order_a = tuple(a.index(n) for n in ([*summed, *free_a] if first_a else [*free_a, *summed]))
-    order_b = tuple(b.index(n) for n in ([*summed, *free_b] if first_b else [*free_b, *summed]))
-    made = [*free_a, *free_b]
+    first_a, first_b = not batch and a[0] in summed, batch == [] and b[0] in summed
+    order_a = tuple(a.index(n) for n in ([*summed, *free_a] if first_a else [*batch, *free_a, *summed]))
+    order_b = tuple(b.index(n) for n in ([*summed, *free_b] if first_b else [*batch, *free_b, *summed]))
+    made = [*batch, *free_a, *free_b]
     order_out = tuple(made.index(n) for n in out)
-    return _Plan(drop_a, drop_b, "matmul", order_a, order_b, len(summed), first_a, first_b, subscripts, order_out)
-
-
-def letters(a: Names, b: Names, out: Names) -> str:
-    """Subscripts for `numpy.einsum`: a letter per name.
-
-    Examples
-    --------
-    >>> letters(("mass", "density"), ("density",), ("mass",))
-    'ab,b->a'
-    """
-    letter = {n: chr(ord("a") + i) for i, n in enumerate(dict.fromkeys(a + b))}
-    return ",".join("".join(letter[n] for n in names) for names in (a, b)) + "->" + "".join(letter[n] for n in out)
+    kind = "stacked" if batch else "matmul"
+    return _Plan(drop_a, drop_b, kind, order_a, order_b, len(summed), first_a, first_b, order_out)
 
 
 def _shaped(values: Array, order: tuple[int, ...]) -> Array:
@@ -100,15 +85,24 @@ def product(a: Table, b: Table, out: Names) -> Table:
     y = b.values.sum(axis=plan.drop_b) if plan.drop_b else b.values
     if plan.kind == "multiply":
         return Table(_shaped(x, plan.order_a) * _shaped(y, plan.order_b), out)
-    if plan.kind == "einsum":
-        return Table(np.asarray(np.einsum(plan.subscripts, x, y)), out)
     x, y, n = x.transpose(plan.order_a), y.transpose(plan.order_b), plan.summed
+    if plan.kind == "stacked":
+        return Table(_stacked(x, y, n, len(plan.order_out)).transpose(plan.order_out), out)
     free_a = x.shape[n:] if plan.first_a else x.shape[: x.ndim - n]
     free_b = y.shape[n:] if plan.first_b else y.shape[: y.ndim - n]
     rows, columns = prod(free_a), prod(free_b)
     x = x.reshape(-1, rows).T if plan.first_a else x.reshape(rows, -1)
     y = y.reshape(-1, columns) if plan.first_b else y.reshape(columns, -1).T
     return Table((x @ y).reshape(free_a + free_b).transpose(plan.order_out), out)
+
+
+def _stacked(x: Array, y: Array, summed: int, ndim: int) -> Array:
+    """Matrix products over the last axes of both, one for each index of the axes they share first."""
+    batch = (x.ndim + y.ndim - 2 * summed) - ndim
+    both, free_a, free_b = x.shape[:batch], x.shape[batch : x.ndim - summed], y.shape[batch : y.ndim - summed]
+    stack, size = prod(both), prod(x.shape[x.ndim - summed :])
+    left, right = x.reshape(stack, prod(free_a), size), y.reshape(stack, prod(free_b), size)
+    return np.asarray((left @ right.transpose(0, 2, 1)).reshape(both + free_a + free_b))
 
 
 def contract(tables: Sequence[Table], out: Names) -> Table:
@@ -123,18 +117,25 @@ def contract(tables: Sequence[Table], out: Names) -> Table:
     """
     if len(tables) == 1:
         return tables[0].sum_to(out)
+    if len(tables) == 2:
+        return product(tables[1], tables[0], out)
     left = list(tables)
-    for i, j, keep in _path(tuple(t.names for t in tables), tuple(t.values.shape for t in tables), out):
+    # Sizes to the next power of two: meshes differ from belief to belief, the best order hardly does.
+    sizes = tuple(tuple(n.bit_length() for n in t.values.shape) for t in tables)
+    for i, j, keep in _path(tuple(t.names for t in tables), sizes, out):
         left.append(product(left.pop(i), left.pop(j), keep))
     return left[0]
 
 
 @lru_cache(maxsize=4096)
 def _path(
-    names: tuple[Names, ...], shapes: tuple[tuple[int, ...], ...], out: Names
+    names: tuple[Names, ...], lengths: tuple[tuple[int, ...], ...], out: Names
 ) -> tuple[tuple[int, int, Names], ...]:
-    """Which two tables to multiply next, and what names to keep: greedily the cheapest pair, j before i."""
-    size = {n: s for ns, shape in zip(names, shapes, strict=True) for n, s in zip(ns, shape, strict=True)}
+    """Which two tables to multiply next, and what names to keep: greedily the cheapest pair, j before i.
+
+    Lengths of axes are in bits.
+    """
+    size = {n: 1 << bits for ns, own in zip(names, lengths, strict=True) for n, bits in zip(ns, own, strict=True)}
     left, path = list(names), list[tuple[int, int, Names]]()
 
     def kept(j: int, i: int) -> Names:

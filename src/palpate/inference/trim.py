@@ -14,7 +14,7 @@ from palpate.inference.channels import OUTCOME, NumberChannel
 from palpate.inference.chart import Frame
 from palpate.inference.readings import GroupBelief
 from palpate.inference.targets import Target
-from palpate.inference.tensors import Table, contract, product
+from palpate.inference.tensors import Table, contract
 
 if TYPE_CHECKING:
     from palpate.inference.exact import ExactBelief
@@ -82,7 +82,7 @@ class Trimmed:
         return self._joint.sum_to(names)
 
     def joint(self, members: Names, names: Names) -> Table:
-        """Joint of the nodes of continuous properties and of categorical properties."""
+        """Joint of categorical properties and of the nodes of continuous properties, in that order."""
         if not members:
             return self.categorical(names)
         key = (members, names)
@@ -91,16 +91,17 @@ class Trimmed:
         return self._joints[key]
 
     def _one(self, member: str, names: Names) -> Table:
-        """The joint of one continuous property: its group keeps the mass along it per configuration."""
+        """The joint of one continuous property."""
         group = self.home(member)
         frame = group.sure_frame(member)
         weights = per_mass(self._with_parents(names, [group]), self.kept(group.mass(frame)))
-        mass = self._cut(group.mass(frame, member), {member: self._nodes(group, frame, member)})
-        return product(weights, mass, (member, *names))
+        ranges = {member: self._nodes(group, frame, member)}
+        tables = [self._cut(t, ranges) for t in group.reduced(frame, member)]
+        return contract((weights, *tables), (*names, member))
 
     def _several(self, members: Names, names: Names) -> Table:
         self._check_size(members, names)
-        return contract(self._spread(members, names), (*members, *names))
+        return contract(self._spread(members, names), (*names, *members))
 
     def _with_parents(self, names: Iterable[str], groups: Iterable[GroupBelief]) -> Table:
         """Joint of categorical properties and of the parents of groups."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -20,7 +21,7 @@ Array = NDArray[np.float64]
 Readings = Sequence[tuple[NumberSensor, Sequence[NumberOutcome]]]
 """The readings of one property: per action its sensor and its outcomes."""
 
-REACH = 8.5
+REACH = 7.0
 """Scales from a reading beyond which its likelihood counts as nothing at first."""
 HEAVY_SHARP = 0.7
 """A heavy-tailed likelihood's peak is sharper than its scale says."""
@@ -86,19 +87,22 @@ def _pooled(sensor: NumberSensor, outcomes: Sequence[NumberOutcome]) -> list[tup
     readings = [o for o in outcomes if isinstance(o, Reading)]
     if not readings:
         return []
-    values = np.array([r.value for r in readings])
-    scales = np.array([float(sensor.scale(np.array([r.value]), r.sd)[0]) for r in readings])
+    values = [r.value for r in readings]
+    scales = [float(sensor.scale(np.array([r.value]), r.sd)[0]) for r in readings]
     if sensor.relative_sd:
-        scales = np.maximum(scales, 1e-6 * max(np.abs(values).max(), 1e-6))
+        least = 1e-6 * max(*map(abs, values), 1e-6)
+        scales = [max(scale, least) for scale in scales]
+    sharp = 1.0
     if isinstance(sensor.noise, NormalNoise):
-        precision = scales**-2.0
-        values = np.array([np.sum(values * precision) / precision.sum()])
-        scales = np.array([precision.sum() ** -0.5])
-    sharp = 1.0 if isinstance(sensor.noise, NormalNoise) else HEAVY_SHARP / len(readings) ** 0.5
-    wide = np.hypot(scales, sensor.offset_sd)
+        precision = sum(scale**-2.0 for scale in scales)
+        values = [sum(v * scale**-2.0 for v, scale in zip(values, scales, strict=True)) / precision]
+        scales = [precision**-0.5]
+    else:
+        sharp = HEAVY_SHARP / len(readings) ** 0.5
     stretch = 1 + REACH * sensor.relative_sd
+    wide = [math.hypot(scale, sensor.offset_sd) for scale in scales]
     return [
-        (float(v - REACH * w * stretch), float(v + REACH * w * stretch**2), float(sharp * w / stretch))
+        (v - REACH * w * stretch, v + REACH * w * stretch**2, sharp * w / stretch)
         for v, w in zip(values, wide, strict=True)
     ]
 

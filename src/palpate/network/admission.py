@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass, replace
 from numbers import Real
 
-from palpate.errors import EvidenceError, choices
+from palpate.errors import EvidenceError, choices, near
 from palpate.network.model import Action, Network
 from palpate.network.properties import CategoricalProperty
 from palpate.network.sensors import ConfusionSensor, NumberOutcome, NumberSensor
@@ -63,7 +63,8 @@ def _admit_category(
     match outcome:
         case Label(label):
             if label not in sensor.outcomes:
-                raise EvidenceError(f"{where}: unknown label {label!r}; {choices(sensor.outcomes)}")
+                hint = near(label, sensor.outcomes)
+                raise EvidenceError(f"{where}: unknown label {label!r}{hint}; {choices(sensor.outcomes)}")
             return Admitted(outcome)
         case StateLikelihood(values):
             if values.shape != (len(measured.states),):

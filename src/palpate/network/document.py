@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeGuard
 
-from palpate.errors import NetworkError, choices
+from palpate.errors import NetworkError, choices, near
 
 __all__ = ["Layer", "Section", "is_number", "merge", "open_layer", "refuse_cycle", "unknown"]
 
@@ -162,11 +162,7 @@ def is_number(value: object) -> TypeGuard[int | float]:
 
 def unknown(what: str, found: str, valid: Sequence[str]) -> str:
     """What an error says of an unknown name, with the closest valid one if there is one."""
-    from difflib import get_close_matches  # only errors need it
-
-    close = get_close_matches(found, valid, 1)
-    hint = f" (did you mean {close[0]!r}?)" if close else ""
-    return f"found the unknown {what} {found!r}{hint}; {choices(valid)}"
+    return f"found the unknown {what} {found!r}{near(found, valid)}; {choices(valid)}"
 
 
 def refuse_cycle(sections: Mapping[str, Section], edges: Mapping[str, tuple[str, ...]], key: str) -> None:

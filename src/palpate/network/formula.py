@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.errors import NetworkError, choices
+from palpate.errors import NetworkError, choices, near
 
 __all__ = ["Formula"]
 
@@ -109,7 +109,8 @@ def _check(node: ast.AST, text: str) -> None:
         parts = [node.operand]
     elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) == 1 and not node.keywords:
         if node.func.id not in FUNCTIONS:
-            raise NetworkError(f"formula {text!r}: unknown function {node.func.id!r}; {choices(FUNCTIONS)}")
+            found = repr(node.func.id) + near(node.func.id, FUNCTIONS)
+            raise NetworkError(f"formula {text!r}: unknown function {found}; {choices(FUNCTIONS)}")
         parts = [node.args[0]]
     elif isinstance(node, ast.Name) or (isinstance(node, ast.Constant) and type(node.value) in (int, float)):
         return

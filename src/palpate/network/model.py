@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import prod
 
-from palpate.errors import EvidenceError, NetworkError, choices
+from palpate.errors import EvidenceError, NetworkError, choices, near
 from palpate.network.properties import CategoricalProperty, ContinuousProperty, DerivedProperty, Property
 from palpate.network.sensors import Sensor
 
@@ -119,19 +119,19 @@ class Network:
     def action(self, name: str) -> Action:
         """The action of that name; EvidenceError lists the valid ones."""
         if name not in self.actions:
-            raise EvidenceError(f"unknown action {name!r}: {choices(self.actions)}")
+            raise EvidenceError(f"unknown action {name!r}{near(name, self.actions)}: {choices(self.actions)}")
         return self.actions[name]
 
     def property(self, name: str) -> Property:
         """The property of that name; EvidenceError lists the valid ones."""
         if name not in self.properties:
-            raise EvidenceError(f"unknown property {name!r}: {choices(self.properties)}")
+            raise EvidenceError(f"unknown property {name!r}{near(name, self.properties)}: {choices(self.properties)}")
         return self.properties[name]
 
     def object(self, name: str) -> KnownObject:
         """The known object of that name; EvidenceError lists the valid ones."""
         if name not in self.objects:
-            raise EvidenceError(f"unknown object {name!r}: {choices(self.objects)}")
+            raise EvidenceError(f"unknown object {name!r}{near(name, self.objects)}: {choices(self.objects)}")
         return self.objects[name]
 
     def with_action(self, action: Action) -> Network:
@@ -143,6 +143,6 @@ class Network:
             If the action's sensor measures a property that the network does not have.
         """
         if action.sensor.property not in self.properties:
-            found = action.sensor.property
-            raise NetworkError(f"action {action.name!r}: unknown property {found!r}; {choices(self.properties)}")
+            found = repr(action.sensor.property) + near(action.sensor.property, self.properties)
+            raise NetworkError(f"action {action.name!r}: unknown property {found}; {choices(self.properties)}")
         return replace(self, actions={**self.actions, action.name: action})

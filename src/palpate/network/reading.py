@@ -79,7 +79,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from palpate.errors import NetworkError, choices
+from palpate.errors import NetworkError, choices, near
 from palpate.network.document import Layer, Section, merge, open_layer
 from palpate.network.model import Network
 from palpate.network.reading_actions import read_actions
@@ -141,7 +141,8 @@ def _find(name_or_path: str | Path, folder: Path) -> Path:
         return SHIPPED / f"{name_or_path}.toml"
     path = folder / Path(name_or_path).expanduser()
     if not path.is_file():
-        problem = f"{path}: found no such file; give the path of a TOML file, or for a shipped network"
+        hint = near(str(name_or_path), shipped_networks())
+        problem = f"{path}: found no such file{hint}; give the path of a TOML file, or for a shipped network"
         raise NetworkError(f"{problem} {choices(shipped_networks())}")
     return path
 

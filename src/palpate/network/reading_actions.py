@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 
@@ -65,7 +64,7 @@ def _read_confusion(section: Section, prop: CategoricalProperty) -> ConfusionSen
     if "given" in section:
         outcomes = section.names("outcomes", prop.states)
         return ConfusionSensor(prop.name, outcomes, read_columns(section, prop, outcomes), repeat)
-    found_outcomes, table = read_csv(Path(section.text("csv")), prop.states)
+    found_outcomes, table = read_csv(section, "csv", prop.states)
     outcomes = section.names("outcomes", found_outcomes)
     if sorted(outcomes) != sorted(found_outcomes):
         problem = f"found {', '.join(outcomes)}; expected the rows of the CSV file: {', '.join(found_outcomes)}"

@@ -81,20 +81,30 @@ def read_columns(section: Section, truth: CategoricalProperty, outcomes: Sequenc
     return np.stack([read_distribution(where, key, outcomes) for where, key in entries], axis=1)
 
 
-def read_csv(path: Path, states: Sequence[str]) -> tuple[tuple[str, ...], Array]:
-    """Outcomes and P(outcome | state), outcomes x states, from a CSV file.
+def read_csv(section: Section, key: str, states: Sequence[str]) -> tuple[tuple[str, ...], Array]:
+    """Outcomes and P(outcome | state), outcomes x states, from the CSV file that the key names.
 
     The first line names the true states (its first cell is free), in any order; each further line
     is an outcome and its probabilities. Columns sum to one.
     """
+    path = Path(section.text(key))
+    try:
+        return _read_table(path, states)
+    except NetworkError as error:
+        raise section.error(f"found a table that cannot be used: {error}", key) from None
+
+
+def _read_table(path: Path, states: Sequence[str]) -> tuple[tuple[str, ...], Array]:
     try:
         with path.open(encoding="utf-8", newline="") as file:
             rows = [row for row in csv.reader(file, skipinitialspace=True) if row]
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise NetworkError(f"{path}: found no readable CSV file ({error}); expected a confusion matrix") from None
     if not rows or sorted(rows[0][1:]) != sorted(states):
         found = ", ".join(rows[0][1:]) if rows else "nothing"
         raise NetworkError(f"{path}: line 1: found {found}; expected each true state once: {', '.join(states)}")
+    if long := next((row for row in rows if len(row) > len(rows[0])), None):
+        raise NetworkError(f"{path}: row {long[0]!r}: found {len(long)} cells; expected {len(rows[0])}, as in line 1")
     outcomes = [row[0] for row in rows[1:]]
     if not outcomes or len(set(outcomes)) < len(outcomes):
         raise NetworkError(f"{path}: column 1: found {', '.join(outcomes) or 'nothing'}; expected each outcome once")

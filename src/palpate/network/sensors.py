@@ -25,6 +25,7 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+HALF_LOG_2_PI = float(0.5 * np.log(2 * np.pi))
 NumberOutcome = Reading | Above | Below
 """The outcomes of a number sensor that say something of the property."""
 
@@ -99,7 +100,7 @@ class NormalNoise:
     """Normal noise; the scale is its SD."""
 
     def log_density(self, z: Array) -> Array:
-        return np.asarray(-0.5 * z * z - 0.5 * np.log(2 * np.pi))
+        return np.asarray(-0.5 * z * z - HALF_LOG_2_PI)
 
     def cdf(self, z: Array) -> Array:
         return np.asarray(special.ndtr(z))
@@ -239,13 +240,17 @@ class NumberSensor:
 
         Densities are per unit of the property for readings; bounds count as probabilities.
         """
-        if not self.offset_sd or not outcomes:
-            return np.asarray(sum((self._log_term(o, x, x) for o in outcomes), np.zeros_like(x)))
+        if not outcomes:
+            return np.zeros_like(x)
+        if not self.offset_sd:
+            first, *more = (self._log_term(o, x, x) for o in outcomes)
+            return np.asarray(sum(more, first))
         if not self._closed(outcomes):
             return self._offset(outcomes, x)[0]
         # Given the pooled mean the readings do not depend on x + offset: swap its variance.
         mean, variance = self._pooled(outcomes, x)
-        independent = sum((self._log_term(o, x, x) for o in outcomes), np.zeros_like(x))
+        first, *more = (self._log_term(o, x, x) for o in outcomes)
+        independent = sum(more, first)
         wide = variance + self.offset_sd**2
         swap = 0.5 * (mean - x) ** 2 * (1 / variance - 1 / wide) + 0.5 * np.log(variance / wide)
         return np.asarray(independent + swap)

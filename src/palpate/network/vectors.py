@@ -19,7 +19,7 @@ from numbers import Real
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.errors import EvidenceError, choices
+from palpate.errors import EvidenceError, choices, near
 from palpate.network.properties import CategoricalProperty
 from palpate.outcomes import Likelihood, Posterior
 
@@ -135,8 +135,9 @@ def _of_every_state(
 ) -> NDArray[np.float64]:
     for name in given:
         if name not in measured.states:
+            hint = near(name, measured.states)
             raise EvidenceError(
-                f"{where}: {what} names {name!r}, no state of {measured.name!r}; {choices(measured.states)}"
+                f"{where}: {what} names {name!r}{hint}, no state of {measured.name!r}; {choices(measured.states)}"
             )
     missing = [state for state in measured.states if state not in given]
     if missing:

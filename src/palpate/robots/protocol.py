@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol, runtime_checkable
 
-from palpate.errors import EvidenceError, choices
+from palpate.errors import EvidenceError, choices, near
 from palpate.outcomes import Outcome
 
 __all__ = ["FunctionRobot", "Robot"]
@@ -60,4 +60,4 @@ class FunctionRobot:
             return self._functions[action]()
         if self._beside:
             return self._beside.perform(action)
-        raise EvidenceError(f"unknown action {action!r}: {choices(self._functions)}")
+        raise EvidenceError(f"unknown action {action!r}{near(action, self._functions)}: {choices(self._functions)}")

@@ -7,7 +7,7 @@ from math import isfinite
 
 import numpy as np
 
-from palpate.errors import EvidenceError, choices
+from palpate.errors import EvidenceError, choices, near
 from palpate.network.model import Action, KnownObject, Network, TrueValue
 from palpate.network.properties import CategoricalProperty, DerivedProperty
 from palpate.network.sensors import ConfusionSensor, NumberSensor
@@ -47,12 +47,11 @@ class SampledRobot:
         self.object = _known(network, thing)
         looks = network.object(self.object.looks_like) if self.object.looks_like else self.object
         self._truth, self._appearance = _complete(network, self.object), _complete(network, looks)
+        self._able = tuple(a.name for a in network.actions.values() if a.sensor.property in self._seen(a))
 
     def actions(self) -> tuple[str, ...]:
         """The actions whose property is known of the object, in the order of the network."""
-        return tuple(
-            action.name for action in self._network.actions.values() if action.sensor.property in self._seen(action)
-        )
+        return self._able
 
     def perform(self, action: str) -> Outcome:
         """Draw an outcome of the action.
@@ -125,7 +124,8 @@ def _checked(network: Network, thing: KnownObject, name: str, value: str | float
     where = f"object {thing.name!r}: true {name}"
     if isinstance(measured, CategoricalProperty):
         if value not in measured.states:
-            raise EvidenceError(f"{where} {value!r} is no state; {choices(measured.states)}")
+            hint = near(value, measured.states)
+            raise EvidenceError(f"{where} {value!r}{hint} is no state; {choices(measured.states)}")
         return str(value)
     if isinstance(value, str) or not isfinite(value):
         raise EvidenceError(f"{where} {value!r} was found, expected a finite number [{measured.unit}]")

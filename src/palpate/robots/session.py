@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from palpate.errors import EvidenceError, LogError, choices
+from palpate.errors import EvidenceError, LogError, choices, near
 from palpate.evidence import format_item, parse_item
 from palpate.logfile import SESSION_FORMAT, Line, read_lines, write_line
 from palpate.outcomes import Outcome
@@ -89,7 +89,8 @@ def shipped_session(thing: str) -> Session:
     ['cat-vision', 'mat-vision', 'mat-sound', 'squeezing', 'weighing']
     """
     if thing not in SHIPPED:
-        raise LogError(f"no recorded session of {thing!r} ships: {choices(SHIPPED)} or name a session file")
+        found = f"no recorded session of {thing!r}{near(thing, SHIPPED)} ships"
+        raise LogError(f"{found}: {choices(SHIPPED)} or name a session file")
     return read_session(Path(__file__).parents[1] / "data" / SHIPPED[thing])
 
 

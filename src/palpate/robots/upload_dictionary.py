@@ -6,15 +6,15 @@ session: nothing is guessed in silence.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path, PureWindowsPath
 from typing import Any
 
-from palpate.errors import LogError, choices
+from palpate.errors import LogError, choices, near
 from palpate.network.model import Network
 from palpate.outcomes import Outcome
 from palpate.robots.session import Recording, Session
-from palpate.robots.upload_format import AS_PUBLISHED, FILE_NAME, Conventions, UploadDictionary
+from palpate.robots.upload_format import AS_PUBLISHED, FILE_NAME, FORM, Conventions, UploadDictionary
 from palpate.robots.upload_outcomes import averaged_outcome, classified_outcome, measured_outcome
 
 __all__ = ["AS_PUBLISHED", "Conventions", "convert"]
@@ -23,37 +23,37 @@ Signals = Mapping[str, Sequence[float]]
 
 
 def convert(
-    folder: str | Path,
+    paths: str | Path | Iterable[str | Path],
     network: Network,
     *,
     source: str,
     conventions: Conventions = AS_PUBLISHED,
     labels: bool = False,
 ) -> Session:
-    """Read a folder of upload dictionaries of one object.
+    """Read upload dictionaries of one object.
 
     Parameters
     ----------
+    paths
+        Files, folders of such files, or both.
     network
         Its prior splits labels that stand for several states; its actions order the recordings.
     source
-        Where the folder is from, for people to read.
+        Where the files are from, for people to read.
     labels
         Take a classifier's most probable label as the outcome and not its probabilities.
 
     Raises
     ------
     LogError
-        No upload dictionary is there, one cannot be read or lacks a key, an entry is of no action
-        of the network, or the files are of different objects.
+        No upload dictionary is there, one cannot be read, lacks a key or has an odd name, an entry
+        is of no action of the network, or the files are of different objects.
     """
-    files = sorted(path for path in Path(folder).glob("*.json") if FILE_NAME.fullmatch(path.name))
-    if not files:
-        raise LogError(f"{folder}: no file upload_dict_<time>_<entry>_<number>.json was found")
-    dictionaries = [UploadDictionary.read(path) for path in files]
+    dictionaries = [UploadDictionary.read(path) for path in _files(paths)]
     objects = {str(d.at("measurement", "object_instance", "common_name")) for d in dictionaries}
     if len(objects) > 1:
-        raise LogError(f"{folder}: recordings of {', '.join(sorted(objects))} were found, expected one object")
+        found = f"recordings of {', '.join(sorted(objects))} were found"
+        raise LogError(f"{Path(dictionaries[0].file).parent}: {found}, expected one object")
     recordings = [_recording(d, network, conventions, labels) for d in dictionaries]
     order = list(network.actions)
     return Session(
@@ -68,12 +68,20 @@ def convert(
     )
 
 
+def _files(paths: str | Path | Iterable[str | Path]) -> list[Path]:
+    """The files named, and those in the folders named, each once."""
+    found: dict[Path, None] = {}
+    for path in map(Path, [paths] if isinstance(paths, str | Path) else paths):
+        inside = sorted(p for p in path.glob("*.json") if FILE_NAME.fullmatch(p.name)) if path.is_dir() else [path]
+        if not inside:
+            raise LogError(f"{path}: no file {FORM} was found")
+        found |= dict.fromkeys(inside)
+    return list(found)
+
+
 def _setup(dictionary: UploadDictionary) -> dict[str, Any]:
     """Return the devices, the object as its data set knows it, and the time in the files' names."""
-    setup = dictionary.at("measurement", "setup")
-    instance = dictionary.at("measurement", "object_instance")
-    if not isinstance(setup, Mapping) or not isinstance(instance, Mapping):
-        raise LogError(f"{dictionary.file}: measurement.setup and measurement.object_instance must be objects")
+    setup, instance = (dictionary.mapping("measurement", key) for key in ("setup", "object_instance"))
     return {**setup, "object_instance": instance, "time_in_file_names": dictionary.time}
 
 
@@ -81,7 +89,8 @@ def _recording(dictionary: UploadDictionary, network: Network, conventions: Conv
     name = str(dictionary.at("entry", "name"))
     action = conventions.actions.get(name, name)
     if action not in network.actions:
-        raise LogError(f"{dictionary.file}: entry.name {name!r} is of no action; {choices(network.actions)}")
+        hint = near(action, network.actions)
+        raise LogError(f"{dictionary.file}: entry.name {name!r}{hint} is of no action; {choices(network.actions)}")
     series, files = _signals(dictionary)
     channels = {channel.rpartition(".")[2]: channel for channel in series}
     decisions = [f"{channel} {told}" for channel, told in conventions.remarks.items() if channel in channels]
@@ -95,7 +104,7 @@ def _recording(dictionary: UploadDictionary, network: Network, conventions: Conv
         series=series,
         units={channel: units.get(channel) for channel in series},
         poses={key: dictionary.at("measurement", key) for key in ("object_pose", "gripper_pose")},
-        entry=dictionary.at("entry"),
+        entry=dictionary.mapping("entry"),
         files={channel: f"{file} (not there)" for channel, file in files.items()},
     )
 
@@ -124,11 +133,14 @@ def _signals(dictionary: UploadDictionary) -> tuple[dict[str, Sequence[float]], 
     """Return the numeric series and the names of the signals' files, by device and channel."""
     series: dict[str, Sequence[float]] = {}
     files: dict[str, str] = {}
-    for device, channels in dictionary.at("measurement", "sensor_outputs").items():
-        for channel, signal in channels.items():
+    for device in dictionary.mapping("measurement", "sensor_outputs"):
+        for channel, signal in dictionary.mapping("measurement", "sensor_outputs", device).items():
             if isinstance(signal, str):
                 # The folders are another computer's; Windows' rules split both kinds of path.
                 files[f"{device}.{channel}"] = PureWindowsPath(signal).name
-            else:
+            elif isinstance(signal, list) and all(isinstance(sample, int | float) for sample in signal):
                 series[f"{device}.{channel}"] = signal
+            else:
+                where = f"{dictionary.file}: measurement.sensor_outputs.{device}.{channel}"
+                raise LogError(f"{where}: a list of numbers or the path of a file was expected")
     return series, files

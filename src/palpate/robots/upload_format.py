@@ -15,9 +15,12 @@ from typing import Any
 
 from palpate.errors import LogError
 
-__all__ = ["AS_PUBLISHED", "FILE_NAME", "Conventions", "UploadDictionary"]
+__all__ = ["AS_PUBLISHED", "FILE_NAME", "FORM", "Conventions", "UploadDictionary"]
 
 FILE_NAME = re.compile(r"upload_dict_(?P<time>[\d_]*\d)_(?P<name>[^\d_].*)\.json")
+
+FORM = "upload_dict_<time>_<entry>_<number>.json"
+"""The form of the files' names, for people."""
 
 
 @dataclass(frozen=True)
@@ -71,12 +74,15 @@ class UploadDictionary:
 
     @classmethod
     def read(cls, path: Path) -> UploadDictionary:
-        """Read a file whose name has the form of `FILE_NAME`; LogError if it is no JSON."""
+        """Read a file; LogError if its name has another form than `FILE_NAME`, or it is no JSON."""
         match = FILE_NAME.fullmatch(path.name)
-        assert match
+        if not match:
+            raise LogError(f"{path}: a name of the form {FORM} was expected, as it tells the entry and the time")
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
+        except OSError as error:
+            raise LogError(f"{path} cannot be read: {error.strerror or error}") from error
+        except ValueError as error:
             raise LogError(f"{path}: this is no readable JSON: {error}") from error
         return cls(str(path), match["name"], match["time"], content)
 
@@ -87,6 +93,13 @@ class UploadDictionary:
             if not isinstance(found, Mapping) or key not in found:
                 raise LogError(f"{self.file}: {'.'.join(keys[: depth + 1])} is missing")
             found = found[key]
+        return found
+
+    def mapping(self, *keys: str) -> Mapping[str, Any]:
+        """Return the object under the keys; LogError if it is missing or something else."""
+        found = self.at(*keys)
+        if not isinstance(found, Mapping):
+            raise LogError(f"{self.file}: {'.'.join(keys)} was expected to be an object")
         return found
 
     def first_value(self) -> Mapping[str, Any]:

@@ -31,6 +31,8 @@ class Choice:
         The actions taken so far, in order.
     repeat
         Whether an action may be taken again.
+    steps_left, left_s
+        How many steps, and what cost [s], the stopping rule leaves; without limit unless given.
     """
 
     belief: Belief
@@ -40,6 +42,8 @@ class Choice:
     rng: np.random.Generator
     taken: Sequence[str] = field(default=())
     repeat: bool = False
+    steps_left: float = inf
+    left_s: float = inf
 
     @property
     def actions(self) -> tuple[str, ...]:

@@ -64,6 +64,11 @@ class StoppingRule(Protocol):
         """The cost that may not be exceeded [s]; an action that would is not chosen."""
         return inf
 
+    @property
+    def most_steps(self) -> float:
+        """The number of steps that may not be exceeded."""
+        return inf
+
     def reason(self, situation: Situation) -> str | None:
         """Why to stop, for people to read; None to go on."""
 
@@ -86,6 +91,11 @@ class AnyOf(StoppingRule):
     def budget_s(self) -> float:
         """The smallest budget of the rules [s]."""
         return min((rule.budget_s for rule in self.rules), default=inf)
+
+    @property
+    def most_steps(self) -> float:
+        """The smallest number of steps that one of the rules allows."""
+        return min((rule.most_steps for rule in self.rules), default=inf)
 
     def reason(self, situation: Situation) -> str | None:
         """Why the first rule that stops does."""
@@ -180,6 +190,11 @@ class StepBudget(StoppingRule):
     """Stops after a number of steps, failed ones included."""
 
     steps: int
+
+    @property
+    def most_steps(self) -> float:
+        """The number of steps."""
+        return self.steps
 
     def reason(self, situation: Situation) -> str | None:
         """Why to stop; None to go on."""
