@@ -6,7 +6,7 @@ sensor saturates, so that information is computed for numbers as for labels.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,9 +16,11 @@ from scipy import special
 from palpate.inference.mesh import ORDER, WIDTH, Mesh
 from palpate.network.sensors import Kernel, NormalNoise, NumberOutcome, NumberSensor, StudentTNoise
 
-__all__ = ["OUTCOME", "NumberChannel", "reading_ends", "reading_mesh"]
+__all__ = ["OUTCOME", "NumberChannel", "Tables", "reading_ends", "reading_mesh"]
 
 Array = NDArray[np.float64]
+Tables = dict[tuple[int, bytes, bytes], Array]
+"""Sensor, mesh of readings and mesh of the measured property to a table of both."""
 
 OUTCOME = "(outcome)"
 """Name of the axis of outcomes in tables."""
@@ -28,6 +30,8 @@ HEAVY_SHARP = 0.5
 """How much finer meshes are for Student's t, whose peak is sharper than its scale says."""
 SAMPLES = 32
 TAN_ORDER = 128
+MOST_KEPT = 500
+"""Tables kept at a time, each of some ten thousand numbers."""
 SHARPEST = 0.01
 """Share of a panel below which the width of the noise changes nothing."""
 
@@ -45,24 +49,38 @@ class NumberChannel:
         The mesh of these nodes.
     readings
         The mesh of readings.
+    kept
+        Where tables are kept that no reading so far changes: beliefs look at the same panels again and again.
     """
 
     def __init__(
-        self, sensor: NumberSensor, past: Sequence[NumberOutcome], held: slice, own: Mesh, readings: Mesh
+        self, sensor: NumberSensor, past: Sequence[NumberOutcome], held: slice, own: Mesh, readings: Mesh, kept: Tables
     ) -> None:
         self.sensor = sensor
         self.past = past
         self.held = held
         self.own = own
         self.readings = readings
-        self._tables: dict[bytes, Array] = {}
-        self.noise_nats = _noise_nats(sensor, sensor.predictive(past, own.nodes))
+        self._tables: Tables = {} if past and sensor.offset_sd else kept
+        self._key = id(sensor), readings.edges.tobytes()
+
+    @property
+    def noise_nats(self) -> Array:
+        """Entropy of a reading given each node of `own` (K,) [nats]."""
+        return self._kept(
+            b"", self.own, lambda: _noise_nats(self.sensor, self.sensor.predictive(self.past, self.own.nodes))
+        )
 
     def table(self, mesh: Mesh) -> Array:
         """p(reading | node of a mesh of the measured property) x weights (K, Y); rows sum to about one."""
-        key = mesh.edges.tobytes()
+        return self._kept(self._key[1], mesh, lambda: self._made(mesh))
+
+    def _kept(self, readings: bytes, mesh: Mesh, made: Callable[[], Array]) -> Array:
+        key = (self._key[0], readings, mesh.edges.tobytes())
         if key not in self._tables:
-            self._tables[key] = self._made(mesh)
+            if len(self._tables) >= MOST_KEPT:
+                self._tables.clear()
+            self._tables[key] = made()
         return self._tables[key]
 
     def at(self, x: Array) -> Array:

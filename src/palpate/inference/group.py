@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.inference.axes import ALONE, base_mesh, derived_mesh, scale_given
-from palpate.inference.channels import reading_ends, reading_mesh
+from palpate.inference.channels import Tables, reading_ends, reading_mesh
 from palpate.inference.chart import Chart, Frame, MasterChart
 from palpate.inference.mesh import Mesh
 from palpate.inference.window import Window, cut
@@ -281,6 +281,11 @@ class Group:
             alone = replace(sensor, offset_sd=0.0) if again else sensor
             self._reading_masters[key] = reading_mesh(alone, [own], corners, only_noise=True)
         return self._reading_masters[key]
+
+    @cached_property
+    def tables(self) -> Tables:
+        """Tables of sensors that no reading changes, kept for all beliefs."""
+        return {}
 
     @cached_property
     def _reading_masters(self) -> dict[tuple[int, bool], Mesh]:

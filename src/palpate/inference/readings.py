@@ -165,7 +165,7 @@ class GroupBelief:
         if key not in self._channels:
             held, own = self._filled(self.sure_frame(sensor.property), sensor.property)
             readings = self._reading_mesh(sensor, own, bool(past))
-            self._channels[key] = NumberChannel(sensor, past, held, own, readings)
+            self._channels[key] = NumberChannel(sensor, past, held, own, readings, self.group.tables)
         return self._channels[key]
 
     def _reading_mesh(self, sensor: NumberSensor, own: Mesh, again: bool) -> Mesh:
