@@ -38,6 +38,8 @@ class About:
         As people read them.
     costs_s
         Cost of every action [s].
+    engine
+        What worked out the beliefs, with its preset where it has some.
     """
 
     objective: str = ""
@@ -48,6 +50,7 @@ class About:
     seed: int | None = None
     repeat: bool = False
     costs_s: Mapping[str, float] = field(default_factory=dict)
+    engine: str = "exact"
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,6 +230,7 @@ def _about(header: Line) -> About:
         seed=header.get("seed", (int, type(None))),
         repeat=header.get("repeat", bool),
         costs_s=header.get("costs_s", dict),
+        engine=header.get("engine", str),
     )
 
 

@@ -8,7 +8,15 @@ from palpate.errors import PalpateError, choices, near
 from palpate.inference.belief import Belief
 from palpate.network.model import Network
 
-__all__ = ["prior_belief"]
+__all__ = ["engine_words", "prior_belief"]
+
+
+DEFAULT_PRESET = "as-released"
+
+
+def engine_words(engine: str, preset: str | None) -> str:
+    """An engine as people read it, its preset with it where it has one."""
+    return engine if engine == "exact" else f"{engine} {preset or DEFAULT_PRESET}"
 
 
 def _exact(network: Network, preset: str | None, seed: int) -> Belief:
@@ -27,7 +35,7 @@ def _message_passing(network: Network, preset: str | None, seed: int) -> Belief:
         "repaired": Settings.repaired,
         "as-written": Settings.as_written,
     }
-    name = preset or "as-released"
+    name = preset or DEFAULT_PRESET
     if name not in presets:
         raise PalpateError(f"--preset: unknown preset {name!r}{near(name, presets)}; {choices(presets)}")
     return MessagePassingBelief(network, presets[name](), seed)

@@ -136,7 +136,7 @@ def _heading(asked: Asked, ready: Ready, view: View) -> Group:
     if ready.about.seed is not None:
         how.append(f"seed {ready.about.seed}")
     if asked.engine != "exact":
-        how.insert(1, f"engine {asked.engine} {asked.preset or ''}".strip())
+        how.insert(1, f"engine {ready.about.engine}")
     lines = [Text.assemble("Exploring ", (ready.about.object or "an object", "bold"), f": {about}" if about else "")]
     if known and known.looks_like:
         lines.append(Text(f"A trick: to a camera it looks like {known.looks_like}."))

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.cli import options
-from palpate.cli.engines import prior_belief
+from palpate.cli.engines import engine_words, prior_belief
 from palpate.episode import About, read_episode
 from palpate.errors import PalpateError, choices
 from palpate.inference.belief import Belief
@@ -115,15 +115,17 @@ def prepare(asked: Asked) -> Ready:
     objective = options.objective(network, asked.learn)
     costs_s = options.costs(network, asked.costs)
     policy = options.policy(network, asked.policy)
+    chance = not asked.replay or isinstance(policy, Random) or asked.engine != "exact"
     about = About(
         objective=objective.name,
         policy=asked.policy,
         stopping=words,
         robot="replay" if asked.replay else "sampled",
         object=thing,
-        seed=None if asked.replay and not isinstance(policy, Random) else seed,
+        seed=seed if chance else None,
         repeat=asked.repeat,
         costs_s=costs_s,
+        engine=engine_words(asked.engine, asked.preset),
     )
     return Ready(
         prior=prior_belief(asked.engine, network, asked.preset, seed),

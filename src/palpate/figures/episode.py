@@ -65,8 +65,10 @@ def _draw_gains(axes: Axes, episode: Episode) -> None:
     axes.set_title(_title(episode), loc="left", fontsize=11)
     if actions:
         axes.legend(frameon=False, fontsize=8, ncols=4, loc="upper right")
-    # room for the legend
-    axes.set_ylim(0, 1.15 * axes.get_ylim()[1])
+    lowest, highest = axes.get_ylim()
+    if lowest < 0:  # the paper's gains can be negative
+        axes.axhline(0, color=INK, linewidth=0.8)
+    axes.set_ylim(min(lowest, 0), 1.15 * highest)  # room for the legend
     _tidy(axes)
 
 
@@ -101,6 +103,12 @@ def _draw_belief(axes: Axes, name: str, episode: Episode, *, legend: bool) -> No
     elif isinstance(before, ContinuousSummary) and isinstance(after, ContinuousSummary):
         _draw_densities(axes, before, after)
         axes.set_title(f"{name} [{before.unit}]", loc="left", fontsize=10)
+    else:
+        axes.set_title(name, loc="left", fontsize=10)
+        axes.text(0.5, 0.5, "not said by this engine", ha="center", va="center", fontsize=8, transform=axes.transAxes)
+        axes.set_xticks([])
+        axes.set_yticks([])
+        return
     if legend:
         axes.legend(frameon=False, fontsize=8)
     _tidy(axes)

@@ -4,16 +4,37 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.inference.mesh import Mesh
 from palpate.information import entropy_bits
 
-__all__ = ["CategoricalMarginal", "ContinuousMarginal"]
+__all__ = ["Axis", "CategoricalMarginal", "ContinuousMarginal"]
 
 Array = NDArray[np.float64]
+
+
+class Axis(Protocol):
+    """What a marginal is on: nodes, and how masses at them spread in between."""
+
+    @property
+    def nodes(self) -> Array:
+        """(K,) ascending."""
+
+    @property
+    def weights(self) -> Array:
+        """(K,): the integral of f is the sum of weights x f(nodes)."""
+
+    def cumulative(self, masses: Array) -> tuple[Array, Array]:
+        """Distribution function of masses (K,) at the edges and at the nodes."""
+
+    def interleaved(self, at_edges: Array, at_nodes: Array, density: Array) -> tuple[Array, Array, Array]:
+        """Points, distribution function and density at edges and nodes together, ascending."""
+
+    def smooth(self, masses: Array) -> tuple[Array, Array]:
+        """Values, ascending, and the density there, close enough to draw."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +63,7 @@ class ContinuousMarginal:
 
     name: str
     unit: str
-    mesh: Mesh
+    mesh: Axis
     masses: Array
 
     @property

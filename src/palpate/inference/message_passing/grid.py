@@ -9,7 +9,6 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.inference.mesh import Mesh
 from palpate.information import sum_p_log_p
 
 __all__ = ["Grid"]
@@ -18,11 +17,18 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Grid(Mesh):
-    """A regular grid as a mesh: its nodes are its edges, so that marginals work on it as on any mesh.
+class Grid:
+    """A regular grid, the axis of a marginal.
 
     Densities f below are values at the nodes (K,) [1/unit] and need not integrate to one.
+
+    Parameters
+    ----------
+    nodes
+        (K,) ascending, equally far apart.
     """
+
+    nodes: Array
 
     @classmethod
     def regular(cls, low: float, high: float, step: float) -> Self:
@@ -35,29 +41,24 @@ class Grid(Mesh):
         """
         # a top that is a whole number of steps away is reached, rounding or not
         nodes = low + step * np.arange(int((high - low) / step + 1e-9) + 1)
-        return cls(np.asarray(nodes, float), np.zeros(max(0, len(nodes) - 1), dtype=bool))
+        return cls(np.asarray(nodes, float))
 
-    # -- what a marginal asks of its mesh ---------------------------------------------------
-
-    @property
-    def nodes(self) -> Array:
-        """(K,) ascending, equally far apart."""
-        return self.edges
+    # -- what a marginal asks of its axis ---------------------------------------------------
 
     @cached_property
     def weights(self) -> Array:
         """Weights of the trapezoid rule (K,)."""
-        steps = np.diff(self.edges)
+        steps = np.diff(self.nodes)
         return np.asarray((np.append(steps, 0.0) + np.append(0.0, steps)) / 2)
 
     @property
     def size(self) -> int:
         """Number of nodes K."""
-        return len(self.edges)
+        return len(self.nodes)
 
     def cumulative(self, masses: Array) -> tuple[Array, Array]:
-        """Distribution function of masses (K,) at the edges and at the nodes: the same here."""
-        density, step = masses / self.weights, self.edges[1] - self.edges[0]
+        """Distribution function of masses (K,) at the edges and at the nodes: nodes are edges here."""
+        density, step = masses / self.weights, self.nodes[1] - self.nodes[0]
         below = np.append(0.0, np.cumsum(step * (density[1:] + density[:-1]) / 2))
         # Between the ends the trapezoid rule errs by what the slope adds (Euler-Maclaurin).
         slope = np.gradient(density, step)
@@ -66,18 +67,18 @@ class Grid(Mesh):
 
     def interleaved(self, at_edges: Array, at_nodes: Array, density: Array) -> tuple[Array, Array, Array]:
         """Points, distribution function and density, ascending."""
-        return self.edges, at_nodes, density
+        return self.nodes, at_nodes, density
 
-    def smooth(self, masses: Array, cut: int = 3) -> tuple[Array, Array]:
+    def smooth(self, masses: Array) -> tuple[Array, Array]:
         """Values and the density there: the grid is fine enough to draw as it is."""
-        return self.edges, np.asarray(masses / self.weights)
+        return self.nodes, np.asarray(masses / self.weights)
 
     # -- what the engine asks of it ---------------------------------------------------------
 
     @property
     def middle(self) -> float:
         """The middle of the axis."""
-        return float((self.edges[0] + self.edges[-1]) / 2)
+        return float((self.nodes[0] + self.nodes[-1]) / 2)
 
     def integral(self, f: Array) -> float:
         """The integral of f over the axis."""
@@ -109,7 +110,7 @@ class Grid(Mesh):
         program, and the middle part of the convolution is kept.
         """
         size, start = self.size, (self.size - 1) // 2
-        kernel = np.exp(-0.5 * ((self.edges - int(self.middle)) / sd) ** 2)
+        kernel = np.exp(-0.5 * ((self.nodes - int(self.middle)) / sd) ** 2)
         # twice the length, so that the ends do not wrap around
         spectrum = np.fft.rfft(f, 2 * size) * np.fft.rfft(kernel, 2 * size)
         full = np.fft.irfft(spectrum, 2 * size)[start : start + size]
@@ -118,4 +119,4 @@ class Grid(Mesh):
 
     def draw(self, f: Array, n: int, rng: np.random.Generator) -> Array:
         """n nodes, drawn in proportion to f (n,)."""
-        return np.asarray(rng.choice(self.edges, size=n, p=f / f.sum()))
+        return np.asarray(rng.choice(self.nodes, size=n, p=f / f.sum()))

@@ -28,7 +28,7 @@ class UnsaidMarginal(ContinuousMarginal):
     """
 
     def __init__(self, name: str, unit: str) -> None:
-        super().__init__(name, unit, Grid(np.empty(0), np.zeros(0, dtype=bool)), np.empty(0))
+        super().__init__(name, unit, Grid(np.empty(0)), np.empty(0))
 
     @cached_property
     def mean(self) -> float:
