@@ -17,7 +17,9 @@ from palpate.robots.session import shipped_session
 from palpate.selection.objectives import Learn
 from palpate.selection.stopping import NothingLeft
 
-ABOUT = About("material", "greedy", "nothing left", "replay", "banana_ycb", 7, False, {"weighing": 15.0}, "message-passing repaired")
+ABOUT = About(
+    "material", "greedy", "nothing left", "replay", "banana_ycb", 7, False, {"weighing": 15.0}, "exact (other)"
+)
 
 
 @pytest.fixture(scope="module")

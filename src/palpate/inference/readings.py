@@ -125,10 +125,15 @@ class GroupBelief:
 
         The last axis is summed out where it is not asked for, once for all that ask.
         """
-        chart, last = self.chart(frame), frame.axes[-1:]
-        if axes == last and (chart.totals is not None or len(frame.axes) == 1):
-            return (self.mass(frame, *axes),)  # one table of no more numbers
+        if self._in_one(frame, axes):
+            return (self.mass(frame, *axes),)
+        chart = self.chart(frame)
         return chart.factors if frame.axes[-1] in axes else chart.reduced
+
+    def _in_one(self, frame: Frame, axes: Names) -> bool:
+        """Whether the mass is best kept as one table: it has no more numbers, or beliefs without readings share it."""
+        known = len(frame.axes) == 1 or not self.touched or self.chart(frame).totals is not None
+        return axes == frame.axes[-1:] and known
 
     def mass(self, frame: Frame, *axes: str) -> Table:
         """The chart's total per configuration, and per node of the given axes."""
@@ -136,12 +141,13 @@ class GroupBelief:
         if key not in self._masses:
             chart, last = self.chart(frame), frame.axes[-1:]
             own = (*self.group.parents, *axes)
-            if axes == last and (chart.totals is not None or len(frame.axes) == 1):
-                self._masses[key] = contract((chart.totals or chart.tables[0], chart.along), own)
-            elif not axes and chart.totals is not None:
+            if chart.totals is not None and not axes:
                 self._masses[key] = self.mass(frame, *last).sum_to(own)
+            elif chart.totals is not None and axes == last:
+                self._masses[key] = contract((chart.totals, chart.along), own)
             else:
-                self._masses[key] = contract(self.reduced(frame, *axes), own)
+                tables = chart.factors if set(last) & set(axes) or len(frame.axes) == 1 else chart.reduced
+                self._masses[key] = contract(tables, own)
         return self._masses[key]
 
     @property
