@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import palpate
+from palpate.inference.batch import gains
 
 COUNT = 1000
 Fixture = Any  # pytest-benchmark's fixture
@@ -34,3 +35,16 @@ def test_explore_many(benchmark: Fixture, objective: str, per_second: int) -> No
         what=f"explore_many, one decision, {objective}", each=decisions, target_s=1 / per_second
     )
     benchmark.pedantic(run, setup=setup, rounds=3)
+
+
+def test_decisions_alone(benchmark: Fixture) -> None:
+    """The expected gains of many beliefs at once, without robots, updates and the loop."""
+    network = palpate.load_network("household-filled")
+    prior, objects = palpate.ExactBelief(network), list(network.objects)
+    rngs = np.random.default_rng(2).spawn(COUNT)
+    robots = [palpate.SampledRobot(network, objects[i % len(objects)], rng) for i, rng in enumerate(rngs)]
+    runs = palpate.explore_many(prior, robots, objective=palpate.Learn("material"))
+    beliefs = [belief for run in runs for belief in run.beliefs[:-1]]
+    options = [list(row) for run in runs for row in run.gains_bits[:-1]]
+    benchmark.extra_info.update(what="gains of many beliefs at once, material", each=len(beliefs), target_s=1 / 20_000)
+    benchmark.pedantic(gains, args=(beliefs, "material", options), rounds=5, warmup_rounds=1)

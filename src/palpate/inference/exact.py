@@ -22,7 +22,7 @@ from palpate.inference.readings import GroupBelief
 from palpate.inference.realised import realised_gain
 from palpate.inference.sampling import sample
 from palpate.inference.tensors import Table, contract
-from palpate.inference.trim import per_mass
+from palpate.inference.view import per_mass
 from palpate.inference.window import Readings
 from palpate.network.admission import AdmittedOutcome, StateLikelihood, admit
 from palpate.network.model import Network
@@ -265,40 +265,6 @@ class ExactBelief:
             weights = per_mass(self.categorical(group.group.parents), group.mass(frame))
             self._axis_masses[key] = contract((weights, *group.reduced(frame, name)), (name,)).values
         return self._axis_masses[key]
-
-    def with_nodes(self, members: tuple[str, ...], names: tuple[str, ...]) -> Table:
-        """Joint probabilities of the nodes of continuous properties and of categorical properties.
-
-        Parameters
-        ----------
-        members
-            Continuous or derived properties; of one group as many as can be axes of one chart.
-        names
-            Categorical properties.
-
-        Returns
-        -------
-        Table
-            Axes: `members`, then `names`; sums to one.
-        """
-        key = (*members, *names)
-        if key not in self._joints:
-            self._joints[key] = contract(self.spread(members, names), key)
-        return self._joints[key]
-
-    def spread(self, members: tuple[str, ...], names: tuple[str, ...]) -> list[Table]:
-        """The tables whose product, summed to `members` and `names`, is their joint probability."""
-        homes = sorted({self.parts.home[m] for m in members})
-        needed = set(names).union(*(self.groups[h].group.parents for h in homes))
-        wanted = tuple(n for n in self.parts.axes if n in needed)
-        weights, tables = self.categorical(wanted), list[Table]()
-        for home in homes:
-            group = self.groups[home]
-            own = tuple(m for m in members if self.parts.home[m] == home)
-            frame = group.sure_frame(*own)
-            weights = per_mass(weights, group.mass(frame))
-            tables += group.reduced(frame, *own)
-        return [weights, *tables]
 
     # -- questions --------------------------------------------------------------------------
 

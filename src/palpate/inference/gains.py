@@ -20,7 +20,7 @@ from palpate.inference.channels import OUTCOME
 from palpate.inference.rows import Rows, stacked
 from palpate.inference.targets import Target
 from palpate.inference.tensors import Table
-from palpate.inference.trim import Trimmed
+from palpate.inference.view import View
 from palpate.information import TINY, sum_p_log_p
 from palpate.network.sensors import ConfusionSensor, NumberSensor
 
@@ -38,7 +38,7 @@ MAX_STACKED = 200_000
 def expected_gains(belief: ExactBelief, objectives: Sequence[Objective], actions: Sequence[str]) -> Gains:
     """Expected gain of every action about every objective [bits]."""
     targets = [belief.parts.target(belief.network, objective) for objective in objectives]
-    view = Trimmed(belief)
+    view = View(belief)
     nats = {name: _Answer(view, name, targets) for name in actions}
     _through_configurations(view, list(nats.values()))
     return {
@@ -60,7 +60,7 @@ class _Answer:
         -sum p ln p of the outcome [nats].
     """
 
-    def __init__(self, view: Trimmed, action: str, targets: Sequence[Target]) -> None:
+    def __init__(self, view: View, action: str, targets: Sequence[Target]) -> None:
         sensor = view.belief.network.action(action).sensor
         self.targets = targets
         self.nats = np.zeros(len(targets))
@@ -73,7 +73,7 @@ class _Answer:
         if not isinstance(sensor, ConfusionSensor):
             self._beside(view, action, sensor)
 
-    def _labels(self, view: Trimmed, action: str, sensor: ConfusionSensor) -> float:
+    def _labels(self, view: View, action: str, sensor: ConfusionSensor) -> float:
         """Set up the channel of a label sensor; I(measured property; label) [nats]."""
         self.parents: tuple[str, ...] = (sensor.property,)
         predictive = sensor.predictive(view.belief.labels_of(action)).T
@@ -82,28 +82,28 @@ class _Answer:
         self.before = -sum_p_log_p(states @ self.table)
         return self.before + float(states @ (self.table * np.log(np.maximum(self.table, TINY))).sum(axis=1))
 
-    def _numbers(self, view: Trimmed, action: str, sensor: NumberSensor) -> float:
+    def _numbers(self, view: View, action: str, sensor: NumberSensor) -> float:
         """Set up the channel of a number sensor; I(measured property; reading) [nats]."""
         home = view.home(sensor.property)
-        channel = home.channel(sensor, view.belief.outcomes_of(action))
+        reading = home.next_reading(sensor, view.belief.outcomes_of(action))
         self.parents = home.group.parents
-        given = view.kept(home.given(channel)).values
+        given = view.kept(reading.given).values
         self.table = given.reshape(-1, given.shape[-1])
         weights = view.categorical(self.parents).values.ravel()
         self.before = -sum_p_log_p(weights @ self.table)
-        return self.before - float(weights @ view.kept(home.noise(channel)).values.ravel())
+        return self.before - float(weights @ view.kept(reading.noise).values.ravel())
 
-    def _beside(self, view: Trimmed, action: str, sensor: NumberSensor) -> None:
+    def _beside(self, view: View, action: str, sensor: NumberSensor) -> None:
         """Objectives with members in the measured property's own group."""
         home = view.home(sensor.property)
         for i in [i for i in self.open if set(view.members(self.targets[i])) & set(home.group.members)]:
-            channel = home.channel(sensor, view.belief.outcomes_of(action))
-            joint = view.beside(self.targets[i], channel)
+            reading = home.next_reading(sensor, view.belief.outcomes_of(action))
+            joint = view.beside(self.targets[i], reading)
             self.nats[i] = self.before + sum_p_log_p(joint) - sum_p_log_p(joint.sum(axis=1))
             self.open.remove(i)
 
 
-def _through_configurations(view: Trimmed, answers: Sequence[_Answer]) -> None:
+def _through_configurations(view: View, answers: Sequence[_Answer]) -> None:
     """The objectives that know of an outcome only through categorical properties."""
     waiting = [a for a in answers if a.open]
     if not waiting:

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.errors import EvidenceError
-from palpate.inference.channels import OUTCOME, NumberChannel, reading_mesh
 from palpate.inference.chart import Chart, Frame
 from palpate.inference.group import Group
-from palpate.inference.mesh import ORDER, Mesh
+from palpate.inference.mesh import Mesh
+from palpate.inference.next_reading import NextReading
 from palpate.inference.tensors import Table, contract
 from palpate.inference.window import Readings, Window, cut, resolve
 from palpate.network.sensors import NumberOutcome, NumberSensor
@@ -34,8 +34,6 @@ RESOLVED, UNRESOLVED = 1e-4, 0.25
 FAR = 1000.0
 """Ranges of all that is believed beyond which a reading is an error, not a surprise."""
 ALL = slice(None)
-EMPTY = 1e-9
-"""Share of a configuration's mass below which the ends of an axis need no readings."""
 MAX_ENTRIES = 4_000_000
 """Entries of a chart's largest table beyond which it is not refined further."""
 
@@ -72,19 +70,7 @@ class GroupBelief:
         return {}
 
     @cached_property
-    def _channels(self) -> dict[tuple[int, bool], NumberChannel]:
-        return {}
-
-    @cached_property
-    def _given(self) -> dict[int, Table]:
-        return {}
-
-    @cached_property
-    def _noise(self) -> dict[int, Table]:
-        return {}
-
-    @cached_property
-    def _through(self) -> dict[tuple[Names, int], Table]:
+    def _next(self) -> dict[tuple[int, bool], NextReading]:
         return {}
 
     def _look(self) -> None:
@@ -115,10 +101,6 @@ class GroupBelief:
                 self._charts[frame.axes] = self._fresh(frame, {**self._charts[frame.axes].meshes, **longer})
                 self._masses = {key: mass for key, mass in self._masses.items() if key[0] != frame.axes}
         return self._charts[frame.axes]
-
-    def factors(self, frame: Frame) -> tuple[Table, ...]:
-        """The chart's tables, the vector along its last axis among them."""
-        return self.chart(frame).factors
 
     def reduced(self, frame: Frame, *axes: str) -> tuple[Table, ...]:
         """Tables whose product, summed to configurations and some of the chart's axes, is their mass.
@@ -160,81 +142,13 @@ class GroupBelief:
             self._log_evidence = Table(values, self.group.parents)
         return self._log_evidence
 
-    def others(self, measured: str) -> tuple[str, ...]:
-        """Members that can be an axis beside a measured one."""
-        return tuple(m for m in self.group.members if m != measured and self.frame(m, measured))
-
-    def channel(self, sensor: NumberSensor, past: Sequence[NumberOutcome]) -> NumberChannel:
-        """The channel of a number sensor of a member after its past readings."""
+    def next_reading(self, sensor: NumberSensor, past: Sequence[NumberOutcome]) -> NextReading:
+        """What a sensor of a member will return after its past readings."""
         # The past readings are among the group's own; only whether they are this sensor's is new.
         key = (id(sensor), bool(past))
-        if key not in self._channels:
-            held, own = self._filled(self.sure_frame(sensor.property), sensor.property)
-            readings = self._reading_mesh(sensor, own, bool(past))
-            self._channels[key] = NumberChannel(sensor, past, held, own, readings, self.group.tables)
-        return self._channels[key]
-
-    def _reading_mesh(self, sensor: NumberSensor, own: Mesh, again: bool) -> Mesh:
-        """Where readings of a member are looked at: as finely as the noise asks for, if they fill a short stretch."""
-        measured = sensor.property
-        if self.touched:
-            mesh = self.group.reading_mesh(sensor, again, float(own.edges[0]), float(own.edges[-1]))
-            if mesh is not None:
-                return mesh
-        beside = [self._filled(self.sure_frame(m, measured), measured)[1] for m in self.others(measured)]
-        narrow = bool(self.touched - {measured})
-        return reading_mesh(sensor, [own, *beside], self.group.corners(measured), narrow)
-
-    def _filled(self, frame: Frame, name: str) -> tuple[slice, Mesh]:
-        """The nodes of an axis whose panels hold something in any configuration, and the mesh of these panels."""
-        mesh = self.chart(frame).meshes[name]
-        masses = self.mass(frame, name).values.reshape(-1, mesh.size)
-        share = (masses / np.maximum(masses.sum(axis=1, keepdims=True), TINY)).max(axis=0)
-        held = np.flatnonzero(share > EMPTY)
-        first, last = int(held[0]) // ORDER, int(held[-1]) // ORDER + 1
-        return slice(first * ORDER, last * ORDER), mesh.between(first, last)
-
-    def given(self, channel: NumberChannel) -> Table:
-        """p(reading | configuration of the parents) x weights (configuration..., outcome)."""
-        key = id(channel)
-        if key not in self._given:
-            measured = channel.sensor.property
-            masses = self.mass(self.sure_frame(measured), measured).values
-            table = masses[..., channel.held] @ channel.table(channel.own)
-            total = table.sum(axis=-1, keepdims=True)
-            given = np.divide(table, total, out=np.zeros_like(table), where=total > TINY)
-            self._given[key] = Table(given, (*self.group.parents, OUTCOME))
-        return self._given[key]
-
-    def noise(self, channel: NumberChannel) -> Table:
-        """Mean entropy of a reading given the measured member, less its mesh's, per configuration [nats]."""
-        key = id(channel)
-        if key not in self._noise:
-            masses = self.mass(self.sure_frame(channel.sensor.property), channel.sensor.property).values
-            masses = masses[..., channel.held]
-            total = np.maximum(masses.sum(axis=-1), TINY)
-            given = self.given(channel).values[..., : channel.readings.size]
-            values = masses @ channel.noise_nats / total - given @ channel.readings.log_weights
-            self._noise[key] = Table(values, self.group.parents)
-        return self._noise[key]
-
-    def through(self, frame: Frame, channel: NumberChannel) -> tuple[Table, ...]:
-        """The chart's tables with the measured axis replaced by the outcome, where that is worth keeping.
-
-        Without readings the group never changes, and its tables are carried through the channel once.
-        """
-        measured = channel.sensor.property
-        if measured not in frame.axes:
-            return (*self.factors(frame), Table(channel.at(self.values(frame, measured)), (*frame.axes, OUTCOME)))
-        table = Table(channel.table(self.chart(frame).meshes[measured]), (measured, OUTCOME))
-        if self.touched:
-            return (*self.factors(frame), table)
-        key = (frame.axes, id(channel))
-        if key not in self._through:
-            along = [t for t in self.factors(frame) if measured in t.names]
-            names = tuple(dict.fromkeys(n for t in along for n in t.names if n != measured))
-            self._through[key] = contract((*along, table), (*names, OUTCOME))
-        return (*(t for t in self.factors(frame) if measured not in t.names), self._through[key])
+        if key not in self._next:
+            self._next[key] = NextReading(self, sensor, past)
+        return self._next[key]
 
     def values(self, frame: Frame, name: str) -> Array:
         """Values of a member at all nodes of a chart."""

@@ -11,6 +11,7 @@ from palpate.errors import EvidenceError
 from palpate.inference.belief import Objective, Observation
 from palpate.inference.targets import Target
 from palpate.inference.tensors import Table, contract
+from palpate.inference.view import View
 from palpate.information import kl_bits
 from palpate.network.admission import StateLikelihood
 from palpate.network.sensors import ConfusionSensor
@@ -85,8 +86,8 @@ def _log_likelihood(before: ExactBelief, after: ExactBelief, measured: str, x: A
 def _direct(before: ExactBelief, after: ExactBelief, target: Target) -> float:
     """The tables of both beliefs compared: the outcome left the meshes as they were."""
     members = target.members(before.groups)
-    new = after.with_nodes(members, target.categorical).values
-    return kl_bits(new, before.with_nodes(members, target.categorical).values)
+    new, old = (View(belief, whole=True).joint(members, target.categorical).values for belief in (after, before))
+    return kl_bits(new, old)
 
 
 def _reweighted(before: ExactBelief, after: ExactBelief, measured: str, target: Target) -> float:
@@ -97,8 +98,7 @@ def _reweighted(before: ExactBelief, after: ExactBelief, measured: str, target: 
     frame = home.frame(*own, measured)
     if frame is None:
         return _over_chart(before, after, measured, target, members)
-    out = (*members, *target.categorical)
-    joint = before.with_nodes((*members, measured), target.categorical).sum_to((*out, measured)).values
+    joint = View(before, whole=True).joint((*members, measured), target.categorical).values
     mesh = home.chart(frame).meshes[measured]
     sensor = before.network.actions[after.evidence[-1].action].sensor
     assert not isinstance(sensor, ConfusionSensor)
@@ -122,9 +122,9 @@ def _over_chart(
     home = before.groups[before.parts.home[measured]]
     frame = home.sure_frame(*(m for m in members if m in home.group.members))
     axes = (*frame.axes, *(m for m in members if m not in frame.axes))
-    joint = before.with_nodes(axes, target.categorical)
+    joint = View(before, whole=True).joint(axes, target.categorical)
     log_p = _log_likelihood(before, after, measured, home.values(frame, measured))
     values = Table(np.exp(log_p - log_p.max()), frame.axes)
-    out = (*members, *target.categorical)
+    out = (*target.categorical, *members)
     new = contract((joint, values), out).values
     return kl_bits(new / new.sum(), joint.sum_to(out).values)

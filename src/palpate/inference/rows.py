@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.inference.targets import Target
-from palpate.inference.trim import Trimmed
+from palpate.inference.view import View
 from palpate.information import TINY
 
 __all__ = ["Rows", "stacked"]
@@ -54,7 +54,7 @@ class Rows:
         return values.reshape(-1, values.shape[-1]), {i: self.places[i].start - rows.start for i in between}
 
 
-def stacked(view: Trimmed, targets: Mapping[int, Target], names: tuple[str, ...]) -> Rows:
+def stacked(view: View, targets: Mapping[int, Target], names: tuple[str, ...]) -> Rows:
     """The rows of all objectives, each with the categorical properties `names`."""
     blocks = [_block(view, target, names) for target in targets.values()]
     values = np.concatenate(blocks, axis=-1) if len(blocks) > 1 else blocks[0]
@@ -65,7 +65,7 @@ def stacked(view: Trimmed, targets: Mapping[int, Target], names: tuple[str, ...]
     return Rows(values, names, places, dict(zip(targets, logs, strict=True)))
 
 
-def _block(view: Trimmed, target: Target, names: tuple[str, ...]) -> Array:
+def _block(view: View, target: Target, names: tuple[str, ...]) -> Array:
     """Joint of an objective (flattened to rows) and of the named categorical properties."""
     own = tuple(n for n in target.categorical if n in names)
     beside = tuple(n for n in target.categorical if n not in names)

@@ -35,7 +35,7 @@ def outcome_table(belief: ExactBelief, action: str) -> Table:
         values = sensor.predictive(labels).T if labels else sensor.by_state
         return Table(values, (sensor.property, OUTCOME))
     group = belief.groups[belief.parts.home[sensor.property]]
-    return group.given(group.channel(sensor, belief.outcomes_of(action)))
+    return group.next_reading(sensor, belief.outcomes_of(action)).given
 
 
 def noise_nats(belief: ExactBelief, action: str) -> Array:
@@ -49,7 +49,7 @@ def noise_nats(belief: ExactBelief, action: str) -> Array:
         table = outcome_table(belief, action).values
         return -np.asarray((table * np.log(np.maximum(table, TINY))).sum(axis=-1))
     group = belief.groups[belief.parts.home[sensor.property]]
-    return group.noise(group.channel(sensor, belief.outcomes_of(action))).values.ravel()
+    return group.next_reading(sensor, belief.outcomes_of(action)).noise.values.ravel()
 
 
 def independent(belief: ExactBelief, actions: Sequence[str]) -> bool:
@@ -69,7 +69,7 @@ def outcomes_of(belief: ExactBelief, action: str) -> list[tuple[Outcome, float]]
         outcomes: list[Outcome] = [Label(label) for label in sensor.outcomes]
     else:
         group = belief.groups[belief.parts.home[sensor.property]]
-        nodes = group.channel(sensor, belief.outcomes_of(action)).readings.nodes
+        nodes = group.next_reading(sensor, belief.outcomes_of(action)).channel.readings.nodes
         outcomes = [Reading(float(y)) for y in nodes]
         outcomes += [Below(sensor.low)] if np.isfinite(sensor.low) else []
         outcomes += [Above(sensor.high)] if np.isfinite(sensor.high) else []

@@ -1,4 +1,7 @@
-"""A view of the belief without what is too improbable to change a gain: faint states and nodes."""
+"""Joint tables of a belief: of states, and of nodes of continuous properties.
+
+For gains a view leaves out what is too improbable to change one: faint states and nodes.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.errors import EvidenceError
-from palpate.inference.channels import OUTCOME, NumberChannel
+from palpate.inference.channels import OUTCOME
 from palpate.inference.chart import Frame
+from palpate.inference.next_reading import NextReading
 from palpate.inference.readings import GroupBelief
 from palpate.inference.targets import Target
 from palpate.inference.tensors import Table, contract
@@ -19,7 +23,7 @@ from palpate.inference.tensors import Table, contract
 if TYPE_CHECKING:
     from palpate.inference.exact import ExactBelief
 
-__all__ = ["Trimmed", "per_mass"]
+__all__ = ["View", "per_mass"]
 
 Array = NDArray[np.float64]
 Names = tuple[str, ...]
@@ -36,15 +40,22 @@ MAX_ENTRIES = 50_000_000
 """Largest joint table of an objective's nodes and categorical properties."""
 
 
-class Trimmed:
-    """The belief's tables on the states and panels that matter, put together once per decision."""
+class View:
+    """A belief's tables, each put together once.
 
-    def __init__(self, belief: ExactBelief) -> None:
+    Parameters
+    ----------
+    whole
+        Whether to keep the states and nodes that are too improbable to matter.
+    """
+
+    def __init__(self, belief: ExactBelief, whole: bool = False) -> None:
         self.belief = belief
         self.axes = belief.parts.axes
+        self._whole = whole
         self._keep: dict[str, NDArray[np.intp]] = {}
         joint = belief.joint.values
-        for i, name in enumerate(self.axes):
+        for i, name in enumerate(() if whole else self.axes):
             total = joint.sum(axis=tuple(k for k in range(joint.ndim) if k != i))
             kept = np.flatnonzero(total > FAINT_STATE)
             if len(kept) < len(total):
@@ -87,21 +98,10 @@ class Trimmed:
             return self.categorical(names)
         key = (members, names)
         if key not in self._joints:
-            self._joints[key] = self._one(*members, names) if len(members) == 1 else self._several(members, names)
+            if len(members) > 1:
+                self._check_size(members, names)
+            self._joints[key] = contract(self._spread(members, names), (*names, *members))
         return self._joints[key]
-
-    def _one(self, member: str, names: Names) -> Table:
-        """The joint of one continuous property."""
-        group = self.home(member)
-        frame = group.sure_frame(member)
-        weights = per_mass(self._with_parents(names, [group]), self.kept(group.mass(frame)))
-        ranges = {member: self._nodes(group, frame, member)}
-        tables = [self._cut(t, ranges) for t in group.reduced(frame, member)]
-        return contract((weights, *tables), (*names, member))
-
-    def _several(self, members: Names, names: Names) -> Table:
-        self._check_size(members, names)
-        return contract(self._spread(members, names), (*names, *members))
 
     def _with_parents(self, names: Iterable[str], groups: Iterable[GroupBelief]) -> Table:
         """Joint of categorical properties and of the parents of groups."""
@@ -124,9 +124,9 @@ class Trimmed:
         """The axes that stand for the target's continuous properties."""
         return target.members(self.belief.groups) if target.whole else target.partial
 
-    def beside(self, target: Target, channel: NumberChannel) -> Array:
+    def beside(self, target: Target, reading: NextReading) -> Array:
         """Joint of an objective with members in the measured property's group, and of the reading (rows, Y)."""
-        measured = channel.sensor.property
+        measured = reading.sensor.property
         home = self.home(measured)
         members = self.members(target)
         own = tuple(m for m in members if m in home.group.members)
@@ -134,22 +134,23 @@ class Trimmed:
         frame = home.frame(*own, measured) or home.sure_frame(*own)
         weights, *tables = self._spread(far, (*target.categorical, *home.group.parents))
         weights = per_mass(weights, self.kept(home.mass(frame)))
-        tables += self._through(home, frame, channel)
+        tables += self._through(home, frame, reading)
         joint = contract((weights, *tables), (*members, *target.categorical, OUTCOME)).values
         return joint.reshape(-1, joint.shape[-1])
 
-    def _through(self, home: GroupBelief, frame: Frame, channel: NumberChannel) -> tuple[Table, ...]:
-        measured = channel.sensor.property
+    def _through(self, home: GroupBelief, frame: Frame, reading: NextReading) -> tuple[Table, ...]:
+        measured = reading.sensor.property
         if not home.touched or measured not in frame.axes:
-            return tuple(self.kept(t) for t in home.through(frame, channel))
-        table = channel.table(home.chart(frame).meshes[measured])[self._nodes(home, frame, measured)]
+            return tuple(self.kept(t) for t in reading.through(frame))
+        table = reading.channel.table(home.chart(frame).meshes[measured])[self._nodes(home, frame, measured)]
         return (*self._trimmed(home, frame, frame.axes), Table(table, (measured, OUTCOME)))
 
     def _trimmed(self, group: GroupBelief, frame: Frame, axes: Names) -> tuple[Table, ...]:
         key = (frame.axes, axes)
         if key not in self._factors:
-            ranges = {name: self._nodes(group, frame, name) for name in frame.axes}
-            self._factors[key] = tuple(self._cut(t, ranges) for t in group.reduced(frame, *axes))
+            tables = group.reduced(frame, *axes)
+            ranges = {n: self._nodes(group, frame, n) for n in frame.axes if any(n in t.names for t in tables)}
+            self._factors[key] = tuple(self._cut(t, ranges) for t in tables)
         return self._factors[key]
 
     def _cut(self, table: Table, ranges: Mapping[str, slice]) -> Table:
@@ -157,6 +158,8 @@ class Trimmed:
 
     def _nodes(self, group: GroupBelief, frame: Frame, name: str) -> slice:
         """The nodes of an axis that matter."""
+        if self._whole:
+            return ALL
         key = (frame.axes, name)
         if key not in self._ranges:
             held = np.flatnonzero(self.belief.axis_masses(group, frame, name) > FAINT)
