@@ -209,7 +209,8 @@ class GroupBelief:
 
     def _held(self, frame: Frame, name: str, end: slice) -> bool:
         """Whether a configuration that counts has mass at an end of an axis."""
-        tables = self._charts[frame.axes].reduced
+        chart = self._charts[frame.axes]
+        tables = chart.factors if name == frame.axes[-1] else chart.reduced
         cut = [Table(t.values[tuple(end if n == name else ALL for n in t.names)], t.names) for t in tables]
         total = self.mass(frame).values
         most, least = total.max(), EDGE_MASS * 1e-13
