@@ -90,3 +90,9 @@ def test_empty_objectives_are_refused() -> None:
         Learn()
     with pytest.raises(EvidenceError, match="no objective"):
         Weighted({})
+
+
+def test_a_property_named_twice_counts_once() -> None:
+    """To learn a property and the same again is to learn it."""
+    assert Learn("material", "material") == Learn("material")
+    assert Learn("material", "category", "material").properties == ("material", "category")

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from palpate.cli import episode, explore, infer, network
+from palpate.cli import benchmark, episode, explore, infer, network, reproduce
 
 __all__ = ["app"]
 
@@ -16,8 +16,10 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+app.command("benchmark")(benchmark.benchmark)
 app.command("explore")(explore.explore)
 app.command("infer")(infer.infer)
+app.command("reproduce")(reproduce.reproduce)
 app.add_typer(network.app, name="network")
 app.add_typer(episode.app, name="episode")
 

@@ -12,7 +12,7 @@ from palpate.inference.mesh import Mesh, Pieces, split
 from palpate.network.families import Family, StudentT, Uniform
 from palpate.network.properties import ContinuousProperty, DerivedProperty
 
-__all__ = ["ALONE", "base_mesh", "derived_mesh", "scale_given"]
+__all__ = ["ALONE", "base_mesh", "derived_mesh", "narrowed", "scale_given"]
 
 Array = NDArray[np.float64]
 Given = Callable[[Array], Array]
@@ -63,14 +63,23 @@ def base_mesh(prior: ContinuousProperty, given: Given | None = None, noise: Give
 
     def scales(x: float) -> Array:
         own = np.broadcast_to(family.local_scale(x), family.low.shape).ravel()
-        if noise is not None:
-            # A narrower kernel is averaged over polynomials through the nodes, which asks for more of them.
-            own = np.where(noise(np.array([x]))[0] < NARROW * own, POLYNOMIAL * own, own)
-        return ALONE * own if given is None else np.minimum(own, given(np.array([max(x, least)]))[0])
+        if given is None:
+            return ALONE * (own if noise is None else narrowed(own, noise(np.array([x]))))
+        other = given(np.array([max(x, least)]))[0]
+        if noise is None:
+            return np.asarray(np.minimum(own, other))
+        # Under a narrow kernel it shows that prior and evidence together are sharper than each.
+        both = 1 / np.hypot(1 / own, 1 / other)
+        return np.asarray(np.minimum(narrowed(both, noise(np.array([x]))), np.minimum(own, other)))
 
     return split(
         Pieces(lows, highs, scales), float(lows.min()), float(highs.max()), graded, sorted(set(finite.tolist()))
     )
+
+
+def narrowed(lengths: Array, noise: Array) -> Array:
+    """Lengths to resolve, less where noise is narrower: kernels are then averaged over polynomials through nodes."""
+    return np.asarray(np.where(noise < NARROW * lengths, POLYNOMIAL * lengths, lengths))
 
 
 def _ends(family: Family, tail: float) -> Array:
@@ -127,9 +136,7 @@ def _pieces_given_others(
     scales = GIVEN * np.abs(at[3] - at[2]).ravel()
     if noise is None:
         return Pieces(lows, highs, lambda x: scales)
-    return Pieces(
-        lows, highs, lambda x: np.where(noise(np.array([x]))[0] < NARROW * scales, POLYNOMIAL * scales, scales)
-    )
+    return Pieces(lows, highs, lambda x: narrowed(scales, noise(np.array([x]))))
 
 
 def scale_given(

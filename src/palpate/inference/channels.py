@@ -16,7 +16,7 @@ from scipy import special
 from palpate.inference.mesh import ORDER, WIDTH, Mesh
 from palpate.network.sensors import Kernel, NormalNoise, NumberOutcome, NumberSensor, StudentTNoise
 
-__all__ = ["OUTCOME", "NumberChannel", "Tables", "reading_ends", "reading_mesh"]
+__all__ = ["OUTCOME", "NumberChannel", "Tables", "reading_ends", "reading_mesh", "reading_mesh_again"]
 
 Array = NDArray[np.float64]
 Tables = dict[tuple[int, bytes, bytes], Array]
@@ -28,10 +28,12 @@ NORMAL_REACH = 6.0
 HEAVY_TAIL = 1e-6
 HEAVY_SHARP = 0.5
 """How much finer meshes are for Student's t, whose peak is sharper than its scale says."""
+SHARED = 1e-10
+"""Share of the offsets that may still be below which they count as none."""
 SAMPLES = 32
 TAN_ORDER = 128
-MOST_KEPT = 500
-"""Tables kept at a time, each of some ten thousand numbers."""
+MOST_KEPT, LARGEST_KEPT = 500, 20_000
+"""Tables kept for all beliefs at a time, and their largest number of numbers: 80 MB together."""
 SHARPEST = 0.01
 """Share of a panel below which the width of the noise changes nothing."""
 
@@ -61,7 +63,8 @@ class NumberChannel:
         self.held = held
         self.own = own
         self.readings = readings
-        self._tables: Tables = {} if past and sensor.offset_sd else kept
+        self._own: Tables = {}
+        self._shared = kept
         self._key = id(sensor), readings.edges.tobytes()
 
     @property
@@ -76,12 +79,20 @@ class NumberChannel:
         return self._kept(self._key[1], mesh, lambda: self._made(mesh))
 
     def _kept(self, readings: bytes, mesh: Mesh, made: Callable[[], Array]) -> Array:
-        key = (self._key[0], readings, mesh.edges.tobytes())
-        if key not in self._tables:
-            if len(self._tables) >= MOST_KEPT:
-                self._tables.clear()
-            self._tables[key] = made()
-        return self._tables[key]
+        key = (self._key[0], readings, mesh.edges.tobytes() + mesh.graded.tobytes())
+        if key in self._own:
+            return self._own[key]
+        alone = bool(self.past and self.sensor.offset_sd)
+        if not alone and key in self._shared:
+            return self._shared[key]
+        table = made()
+        if alone or table.size > LARGEST_KEPT:
+            self._own[key] = table
+            return table
+        if len(self._shared) >= MOST_KEPT:
+            self._shared.clear()
+        self._shared[key] = table
+        return table
 
     def at(self, x: Array) -> Array:
         """p(reading | true value x) x weights (x..., Y); zero where x is not a number."""
@@ -113,16 +124,44 @@ def _columns(sensor: NumberSensor, kernel: Kernel, readings: Mesh) -> Array:
     return columns[0] if len(columns) == 1 else np.hstack(columns)
 
 
-def reading_ends(sensor: NumberSensor, low: float, high: float) -> tuple[float, float]:
-    """Ends of the readings that true values from low to high give, where the sensor does not saturate."""
-    reach = NORMAL_REACH
+def _reach(sensor: NumberSensor) -> float:
+    """Scales of the noise from the true value beyond which there are hardly any readings."""
     if isinstance(sensor.noise, StudentTNoise):
-        reach = float(-special.stdtrit(sensor.noise.dof, HEAVY_TAIL))
-    far = reach * float(np.hypot(sensor.scale(np.array([low, high])).max(), sensor.offset_sd))
-    low, high = max(low - far, sensor.low), min(high + far, sensor.high)
+        return float(-special.stdtrit(sensor.noise.dof, HEAVY_TAIL))
+    return NORMAL_REACH
+
+
+def _within(sensor: NumberSensor, low: float, high: float) -> tuple[float, float]:
+    """The part of an interval in which the sensor does not saturate."""
+    low, high = max(low, sensor.low), min(high, sensor.high)
     if not low < high:  # all readings saturate; a mesh that holds nothing keeps the shapes
         return (sensor.high - 1e-6, sensor.high) if low >= sensor.high else (sensor.low, sensor.low + 1e-6)
     return low, high
+
+
+def reading_ends(sensor: NumberSensor, low: float, high: float) -> tuple[float, float]:
+    """Ends of the readings that true values from low to high give, where the sensor does not saturate."""
+    far = _reach(sensor) * float(np.hypot(sensor.scale(np.array([low, high])).max(), sensor.offset_sd))
+    return _within(sensor, low - far, high + far)
+
+
+def reading_mesh_again(sensor: NumberSensor, kernel: Kernel) -> Mesh:
+    """A mesh for the next reading of a sensor whose readings share an offset that some of them have told.
+
+    The next one lies near those before, closer than the property and the offset would let expect.
+
+    Parameters
+    ----------
+    kernel
+        The next reading's distribution at the nodes of the measured property.
+    """
+    counts = kernel.weight > SHARED
+    centres, scales = kernel.centre[counts], kernel.scale[counts]
+    far = _reach(sensor) * scales
+    low, high = _within(sensor, float((centres - far).min()), float((centres + far).max()))
+    sharp = HEAVY_SHARP if isinstance(sensor.noise, StudentTNoise) else 0.5
+    panels = int(np.ceil((high - low) / (WIDTH * sharp * float(scales.min()))))
+    return Mesh(np.linspace(low, high, panels + 1), np.zeros(panels, dtype=bool), low)
 
 
 def reading_mesh(sensor: NumberSensor, meshes: Sequence[Mesh], corners: Array, only_noise: bool) -> Mesh:

@@ -124,7 +124,7 @@ class Frame:
             rest = rest + self.along(peak, name)
         rest, names = self._times_solved(rest, values)
         peak = np.maximum(rest.max(axis=tuple(range(rest.ndim - 1))), -1e300)
-        if rest.ndim > 1:
+        if rest.ndim > 1 or not tables:
             tables.append(Table(np.exp(rest - peak), names))
         return Chart(tuple(tables), np.where(peak <= -1e300, -np.inf, peak), {n: meshes[n] for n in self.axes})
 

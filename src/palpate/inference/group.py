@@ -1,21 +1,21 @@
 """A group: continuous properties linked by formulas, integrated together by quadrature.
 
 Given the joint state of the categorical properties, groups are independent of each other. What is
-here does not depend on evidence; `palpate.inference.evidence` adds that.
+here does not depend on evidence; `palpate.inference.readings` adds that.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.inference.axes import ALONE, base_mesh, derived_mesh, scale_given
+from palpate.inference.axes import ALONE, base_mesh, derived_mesh, narrowed, scale_given
 from palpate.inference.channels import Tables, reading_ends, reading_mesh
 from palpate.inference.chart import Chart, Frame, MasterChart
 from palpate.inference.mesh import Mesh
@@ -90,6 +90,11 @@ class Group:
         """How narrow a density of its own is given a derived axis with evidence of some noise."""
         inputs = {x: self.bases[x] for x in self.derived[axis].formula.variables}
         return scale_given(self.derived[axis], solved, name, inputs, noise)
+
+    def read_finely(self, name: str, x: Array, lengths: Array) -> Array:
+        """Lengths over which a member's density changes at x, less where its own sensors tell more than that."""
+        own = [s for s in self.sensors if s.property == name]
+        return narrowed(lengths, _noise(own, x)) if own else lengths
 
     def meshes(self, frame: Frame) -> dict[str, Mesh]:
         """The prior meshes of a frame's axes."""
@@ -255,15 +260,9 @@ class Group:
             self._master_meshes[key] = cut(prior, scale) if level == 0 else self.master_mesh(frame, level - 1).halved()
         return self._master_meshes[key]
 
-    def reading_mesh(self, sensor: NumberSensor, again: bool, low: float, high: float) -> Mesh | None:
-        """A mesh of readings of a member between two values, as fine as the noise; None where that is far to go.
-
-        Parameters
-        ----------
-        again
-            Whether the sensor has been read before, and what its readings share is known.
-        """
-        master = self._reading_master(sensor, again)
+    def reading_mesh(self, sensor: NumberSensor, low: float, high: float) -> Mesh | None:
+        """A mesh of readings of a member between two values, as fine as the noise; None where that is far to go."""
+        master = self._reading_master(sensor)
         low, high = reading_ends(sensor, low, high)
         if low < master.edges[0] or high > master.edges[-1]:
             return None
@@ -271,16 +270,14 @@ class Group:
         last = int(np.searchsorted(master.edges, high))
         return master.between(first, last) if first < last <= first + FEW else None
 
-    def _reading_master(self, sensor: NumberSensor, again: bool) -> Mesh:
+    def _reading_master(self, sensor: NumberSensor) -> Mesh:
         """The mesh of all readings that the prior leaves possible, and of some beyond."""
-        key = (id(sensor), again)
-        if key not in self._reading_masters:
+        if id(sensor) not in self._reading_masters:
             frame = self.frame((sensor.property,))
             assert frame is not None, "every member is an axis of some chart"
             own, corners = self.mesh(frame, sensor.property), self.corners(sensor.property)
-            alone = replace(sensor, offset_sd=0.0) if again else sensor
-            self._reading_masters[key] = reading_mesh(alone, [own], corners, only_noise=True)
-        return self._reading_masters[key]
+            self._reading_masters[id(sensor)] = reading_mesh(sensor, [own], corners, only_noise=True)
+        return self._reading_masters[id(sensor)]
 
     @cached_property
     def tables(self) -> Tables:
@@ -288,7 +285,7 @@ class Group:
         return {}
 
     @cached_property
-    def _reading_masters(self) -> dict[tuple[int, bool], Mesh]:
+    def _reading_masters(self) -> dict[int, Mesh]:
         return {}
 
     @cached_property

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.inference.channels import OUTCOME, NumberChannel, reading_mesh
+from palpate.inference.channels import OUTCOME, NumberChannel, reading_mesh, reading_mesh_again
 from palpate.inference.chart import Frame
 from palpate.inference.mesh import ORDER, Mesh
 from palpate.inference.tensors import Table, contract
@@ -52,8 +52,10 @@ class NextReading:
     def _readings(self, own: Mesh) -> Mesh:
         """Where readings are looked at: as finely as the noise asks for, if they fill a short stretch."""
         home, measured = self.home, self.sensor.property
+        if self.past and self.sensor.offset_sd:
+            return reading_mesh_again(self.sensor, self.sensor.predictive(self.past, own.nodes))
         if home.touched:
-            mesh = home.group.reading_mesh(self.sensor, bool(self.past), float(own.edges[0]), float(own.edges[-1]))
+            mesh = home.group.reading_mesh(self.sensor, float(own.edges[0]), float(own.edges[-1]))
             if mesh is not None:
                 return mesh
         frames = [home.frame(m, measured) for m in home.group.members if m != measured]

@@ -15,7 +15,7 @@ from palpate.inference.group import Group
 from palpate.inference.mesh import Mesh
 from palpate.inference.next_reading import NextReading
 from palpate.inference.tensors import Table, contract
-from palpate.inference.window import Readings, Window, cut, resolve
+from palpate.inference.window import EDGE_MASS, EDGE_NODES, FAINT, Readings, Window, crowding, cut, resolve
 from palpate.network.sensors import NumberOutcome, NumberSensor
 
 __all__ = ["GroupBelief"]
@@ -23,11 +23,6 @@ __all__ = ["GroupBelief"]
 Array = NDArray[np.float64]
 Names = tuple[str, ...]
 
-EDGE_NODES = 2
-EDGE_MASS = 1e-6
-"""Share of a configuration's mass at the outermost nodes at which a window is widened."""
-FAINT_EDGE_MASS = 1e-2
-"""The same for configurations that are 1e13 times less probable than another: they hardly ever matter."""
 TINY = 1e-290
 RESOLVED, UNRESOLVED = 1e-4, 0.25
 """Relative change of a configuration's mass at which halving panels stops, and at which it has failed."""
@@ -70,7 +65,7 @@ class GroupBelief:
         return {}
 
     @cached_property
-    def _next(self) -> dict[tuple[int, bool], NextReading]:
+    def _next(self) -> dict[tuple[int, tuple[NumberOutcome, ...]], NextReading]:
         return {}
 
     def _look(self) -> None:
@@ -144,8 +139,8 @@ class GroupBelief:
 
     def next_reading(self, sensor: NumberSensor, past: Sequence[NumberOutcome]) -> NextReading:
         """What a sensor of a member will return after its past readings."""
-        # The past readings are among the group's own; only whether they are this sensor's is new.
-        key = (id(sensor), bool(past))
+        # Past readings of the sensor change its next one only through an offset that they share.
+        key = (id(sensor), tuple(past) if sensor.offset_sd else ())
         if key not in self._next:
             self._next[key] = NextReading(self, sensor, past)
         return self._next[key]
@@ -179,7 +174,9 @@ class GroupBelief:
             if axis in self.touched and name in self.group.derived[axis].formula.variables:
                 sharpest = min((fine[2] for fine in self._windows[axis].fine), default=np.inf)
                 scale = self.group.scale_given(axis, solved, name, partial(np.full_like, fill_value=sharpest))
-                return cut(prior, np.minimum(scale(points), scale((prior.edges[1:] + prior.edges[:-1]) / 2)))
+                middles = (prior.edges[1:] + prior.edges[:-1]) / 2
+                lengths = np.minimum(scale(points), scale(middles))
+                return cut(prior, self.group.read_finely(name, middles, lengths))
         return prior
 
     def _made(self, frame: Frame) -> Chart:
@@ -213,11 +210,11 @@ class GroupBelief:
         tables = chart.factors if name == frame.axes[-1] else chart.reduced
         cut = [Table(t.values[tuple(end if n == name else ALL for n in t.names)], t.names) for t in tables]
         total = self.mass(frame).values
-        most, least = total.max(), EDGE_MASS * 1e-13
+        most, least = total.max(), EDGE_MASS * FAINT
         if prod(float(t.values.max()) for t in cut) * EDGE_NODES < least * most:
             return False  # no configuration can: the common case, found without their tables
         mass = contract(cut, self.group.parents).values
-        return bool((mass > np.where(total > most * 1e-13, EDGE_MASS, FAINT_EDGE_MASS) * total + TINY).any())
+        return bool((mass > crowding(total, most)).any())
 
     def _check_reach(self, name: str) -> None:
         """Refuse readings so far from all that is believed that resolving them makes no sense."""
@@ -279,6 +276,6 @@ class GroupBelief:
         high_open = mesh.edges[-1] < prior.edges[-1]
         masses = self.mass(frame, name).values.reshape(-1, mesh.size)
         total = masses.sum(axis=1)
-        faint = np.where(total > total.max() * 1e-13, EDGE_MASS, FAINT_EDGE_MASS) * total + TINY
+        faint = crowding(total, total.max())
         at_low, at_high = masses[:, :EDGE_NODES].sum(axis=1), masses[:, -EDGE_NODES:].sum(axis=1)
         return bool(low_open and (at_low > faint).any()), bool(high_open and (at_high > faint).any())

@@ -27,7 +27,7 @@ def sample(belief: ExactBelief, n: int, rng: np.random.Generator) -> dict[str, A
     """n draws of all properties together, in the network's order."""
     shape = belief.joint.values.shape
     flat = rng.choice(belief.joint.values.size, size=n, p=belief.joint.values.ravel())
-    states: dict[str, Index] = dict(zip(belief.parts.axes, np.unravel_index(flat, shape), strict=True))
+    states: dict[str, Index] = dict(zip(belief.parts.axes, np.unravel_index(flat, shape), strict=True)) if shape else {}
     values: dict[str, Array] = {}
     for group in belief.groups:
         values.update(_draw_group(group, states, n, rng))

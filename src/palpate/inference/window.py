@@ -14,7 +14,7 @@ from palpate.inference.mesh import WIDTH, Mesh
 from palpate.network.sensors import NormalNoise, NumberOutcome, NumberSensor
 from palpate.outcomes import Above, Reading
 
-__all__ = ["Readings", "Window", "cut", "resolve"]
+__all__ = ["EDGE_MASS", "EDGE_NODES", "FAINT", "Readings", "Window", "crowding", "cut", "resolve"]
 
 Array = NDArray[np.float64]
 
@@ -27,6 +27,12 @@ HEAVY_SHARP = 0.7
 """A heavy-tailed likelihood's peak is sharper than its scale says."""
 GAP_SCALES = 4000
 """Most scales to resolve between the prior and a reading far from it."""
+EDGE_NODES = 2
+EDGE_MASS = 1e-6
+"""Share of a configuration's mass at the outermost nodes at which a mesh reaches further."""
+FAINT, FAINT_EDGE_MASS = 1e-13, 1e-2
+"""Configurations this much less probable than another hardly ever matter, and the share for them."""
+TINY = 1e-290
 MAX_PIECES = 4000
 """Pieces that one panel is cut into at most."""
 SLACK = 1.2
@@ -80,6 +86,17 @@ class Window:
         widths = [high - low for low, high, _ in self.fine] + [self.high - self.low]
         width = max(w for w in widths if np.isfinite(w))
         return Window(self.low - at_low * width / 4, self.high + at_high * width / 4, self.fine)
+
+
+def crowding(total: Array, most: Array | float) -> Array:
+    """Mass at the end of a mesh at which a configuration wants it to reach further.
+
+    Parameters
+    ----------
+    total, most
+        Mass of the configuration, and of the one that has most.
+    """
+    return np.asarray(np.where(total > most * FAINT, EDGE_MASS, FAINT_EDGE_MASS) * total + TINY)
 
 
 def _pooled(sensor: NumberSensor, outcomes: Sequence[NumberOutcome]) -> list[tuple[float, float, float]]:

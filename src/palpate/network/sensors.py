@@ -25,6 +25,8 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+CHUNK = 1000
+"""True values at which an offset is integrated over at a time."""
 HALF_LOG_2_PI = float(0.5 * np.log(2 * np.pi))
 NumberOutcome = Reading | Above | Below
 """The outcomes of a number sensor that say something of the property."""
@@ -246,7 +248,8 @@ class NumberSensor:
             first, *more = (self._log_term(o, x, x) for o in outcomes)
             return np.asarray(sum(more, first))
         if not self._closed(outcomes):
-            return self._offset(outcomes, x)[0]
+            parts = [x[start : start + CHUNK] for start in range(0, len(x), CHUNK)]
+            return np.concatenate([self._offset(outcomes, part)[0] for part in parts])
         # Given the pooled mean the readings do not depend on x + offset: swap its variance.
         mean, variance = self._pooled(outcomes, x)
         first, *more = (self._log_term(o, x, x) for o in outcomes)

@@ -83,8 +83,9 @@ class Learn(_Information):
     def __init__(self, *properties: str) -> None:
         if not properties:
             raise EvidenceError("Learn names no property, expected at least one")
-        object.__setattr__(self, "properties", properties)
-        object.__setattr__(self, "key", properties[0] if len(properties) == 1 else properties)
+        once = tuple(dict.fromkeys(properties))
+        object.__setattr__(self, "properties", once)
+        object.__setattr__(self, "key", once[0] if len(once) == 1 else once)
 
     @property
     def name(self) -> str:

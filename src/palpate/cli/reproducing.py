@@ -1,0 +1,104 @@
+"""What `palpate reproduce` does: plan, run with a bar, draw, and tell the claims in short."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from palpate.cli.tasks_view import run_shown
+from palpate.cli.terminal import console
+from palpate.errors import PalpateError, choices, near
+from palpate.experiments.claims import verdicts
+from palpate.experiments.engines import PRESETS, Engine, Exact, MessagePassing
+from palpate.experiments.frames import Frame
+from palpate.experiments.paper import paper
+from palpate.experiments.plan import Plan, plan
+from palpate.experiments.report import report
+from palpate.experiments.running import settings_of
+from palpate.experiments.tables import BELIEFS, STEPS, read_table, save_tables
+from palpate.figures.reproduction import draw_reproduction
+from palpate.figures.wording import plural
+from palpate.network.reading import load_network
+
+__all__ = ["planned", "run", "tell"]
+
+ENGINES = ("message-passing", "exact")
+REPORT = "report.md"
+
+
+def planned(
+    *,
+    engines: Sequence[str],
+    presets: Sequence[str],
+    networks: Sequence[str],
+    objectives: Sequence[str],
+    objects: Sequence[str],
+    repetitions: int | None,
+    data: Path | None,
+    seed: int,
+) -> Plan:
+    """The plan of what was asked for."""
+    names = list(dict.fromkeys(networks)) or [paper().network, paper().published_network]
+    return plan(
+        [load_network(name) for name in names],
+        _engines(list(dict.fromkeys(engines)), list(dict.fromkeys(presets))),
+        seed=seed,
+        repetitions=repetitions,
+        objects=objects,
+        objectives=objectives,
+        data=data,
+    )
+
+
+def _engines(names: Sequence[str], presets: Sequence[str]) -> list[Engine]:
+    """The engines by their names; message passing once for each preset."""
+    for option, given, valid in (("--engine", names, ENGINES), ("--preset", presets, tuple(PRESETS))):
+        for name in given:
+            if name not in valid:
+                raise PalpateError(f"{option}: unknown {option[2:]} {name!r}{near(name, valid)}; {choices(valid)}")
+    if presets and names == ["exact"]:
+        raise PalpateError(f"--preset {presets[0]} is only for --engine message-passing, and the engine is exact")
+    found: list[Engine] = []
+    if not names or "message-passing" in names:
+        found += [MessagePassing(PRESETS[name]) for name in presets or ["as-released"]]
+    return [*found, Exact()] if not names or "exact" in names else found
+
+
+def run(planned: Plan, folder: Path, *, workers: int | None, scheduler: str | None, resume: bool) -> None:
+    """Run the tasks and save the tables."""
+    if planned.problems:
+        print(f"{plural(len(planned.problems), 'problem')} with the recordings, listed in the report:")
+    for problem in planned.problems:
+        print(f"  {problem}")
+    run_shown(
+        planned.tasks,
+        folder,
+        doing="Exploring",
+        settings=planned.settings,
+        workers=workers,
+        scheduler=scheduler,
+        resume=resume,
+    )
+    save_tables(folder)
+
+
+def tell(folder: Path) -> None:
+    """Draw the figures, write the report, and print where all is and what became of the claims."""
+    steps, beliefs, known = read_table(folder, STEPS), read_table(folder, BELIEFS), paper()
+    main = steps.unique("network")[0]
+    own = steps.where(network=main)
+    pictures = draw_reproduction(own, beliefs.where(network=main), known, folder)
+    text = report(steps, known, pictures, settings_of(folder))
+    (folder / REPORT).write_text(text, encoding="utf-8")
+    _print_claims(own, main)
+    print(f"{folder / REPORT}: all of it, with {plural(len(pictures), 'figure')}; {STEPS} and {BELIEFS} beside it are")
+    print("the tables, as Parquet and CSV")
+
+
+def _print_claims(steps: Frame, network: str) -> None:
+    from rich.table import Table
+
+    table = Table("Claim of the paper", "Verdict", title=f"Network {network}", title_justify="left", box=None)
+    for verdict in verdicts(steps, paper().claims):
+        table.add_row(verdict.claim.text, verdict.words)
+    console().print(table)
