@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from palpate.explore import Step, explore
     from palpate.inference.belief import Belief, Observation
     from palpate.inference.exact import ExactBelief
+    from palpate.inference.message_passing import MessagePassingBelief
     from palpate.many import explore_many
     from palpate.network.model import Action, KnownObject, Network, TrueValue
     from palpate.network.reading import load_network
@@ -69,6 +70,7 @@ __all__ = [
     "Likelihood",
     "LogError",
     "LookAhead",
+    "MessagePassingBelief",
     "NetGainBelow",
     "Network",
     "NetworkError",
@@ -106,6 +108,7 @@ _HOMES = {
     "explore": ("Step", "explore"),
     "inference.belief": ("Belief", "Observation"),
     "inference.exact": ("ExactBelief",),
+    "inference.message_passing": ("MessagePassingBelief",),
     "many": ("explore_many",),
     "network.model": ("Action", "KnownObject", "Network", "TrueValue"),
     "network.reading": ("load_network",),

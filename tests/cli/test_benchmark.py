@@ -5,12 +5,12 @@ from pathlib import Path
 import pytest
 
 from palpate.cli import benchmarking, main
-from palpate.experiments.comparison import Size
-from palpate.experiments.contest import ContestTask
-from palpate.experiments.methods import few_methods
-from palpate.experiments.optimum import OptimumTask
+from palpate.experiments.comparison.contest import ContestTask
+from palpate.experiments.comparison.methods import few_methods
+from palpate.experiments.comparison.optimum import OptimumTask
+from palpate.experiments.comparison.plan import Size
+from palpate.experiments.comparison.worlds import worlds
 from palpate.experiments.running import Task
-from palpate.experiments.worlds import worlds
 
 
 def run(*arguments: object) -> int:

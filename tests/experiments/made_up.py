@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from palpate.experiments.findings import PRIMARY
-from palpate.experiments.methods import all_methods
-from palpate.experiments.results import Results
+from palpate.experiments.comparison.findings import PRIMARY
+from palpate.experiments.comparison.methods import all_methods
+from palpate.experiments.comparison.results import Results
+from palpate.experiments.comparison.worlds import worlds
 from palpate.experiments.running import Row
-from palpate.experiments.worlds import worlds
 
 ACTIONS = ("a", "b")
 COSTS = (0.0, 2.0, 5.0)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from palpate.cli import benchmark, episode, explore, infer, network, reproduce
+from palpate.cli import benchmark, episode, explore, infer, network, reproduce, spool, store
 
 __all__ = ["app"]
 
@@ -22,6 +22,8 @@ app.command("infer")(infer.infer)
 app.command("reproduce")(reproduce.reproduce)
 app.add_typer(network.app, name="network")
 app.add_typer(episode.app, name="episode")
+app.add_typer(spool.app, name="spool")
+app.add_typer(store.app, name="store")
 
 
 @app.callback(invoke_without_command=True)

@@ -9,15 +9,15 @@ from palpate import __version__
 from palpate.cli.tasks_view import run_shown
 from palpate.cli.terminal import console
 from palpate.errors import PalpateError
-from palpate.experiments.belief_sections import calibration_report
-from palpate.experiments.calibration_findings import checks
-from palpate.experiments.comparison import FULL, QUICK, calibration_tasks, comparison_tasks
-from palpate.experiments.comparison_report import comparison_report
-from palpate.experiments.comparison_tables import RESULTS, read_results, save_results
-from palpate.experiments.findings import primary, verdict
-from palpate.experiments.results import Results
+from palpate.experiments.comparison.belief_sections import calibration_report
+from palpate.experiments.comparison.calibration_findings import checks
+from palpate.experiments.comparison.findings import primary, verdict
+from palpate.experiments.comparison.plan import FULL, QUICK, calibration_tasks, comparison_tasks
+from palpate.experiments.comparison.report import comparison_report
+from palpate.experiments.comparison.results import Results
+from palpate.experiments.comparison.tables import RESULTS, read_results, save_results
+from palpate.experiments.comparison.worlds import NETWORK
 from palpate.experiments.running import Task, settings_of
-from palpate.experiments.worlds import NETWORK
 from palpate.figures.calibration import draw_calibration
 from palpate.figures.comparison import draw_comparison
 from palpate.figures.wording import plural

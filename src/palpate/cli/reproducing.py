@@ -8,14 +8,14 @@ from pathlib import Path
 from palpate.cli.tasks_view import run_shown
 from palpate.cli.terminal import console
 from palpate.errors import PalpateError, choices, near
-from palpate.experiments.claims import verdicts
 from palpate.experiments.engines import PRESETS, Engine, Exact, MessagePassing
 from palpate.experiments.frames import Frame
-from palpate.experiments.paper import paper
-from palpate.experiments.plan import Plan, plan
-from palpate.experiments.report import report
+from palpate.experiments.reproduction.claims import verdicts
+from palpate.experiments.reproduction.paper import paper
+from palpate.experiments.reproduction.plan import Plan, plan
+from palpate.experiments.reproduction.report import report
+from palpate.experiments.reproduction.tables import BELIEFS, STEPS, read_table, save_tables
 from palpate.experiments.running import settings_of
-from palpate.experiments.tables import BELIEFS, STEPS, read_table, save_tables
 from palpate.figures.reproduction import draw_reproduction
 from palpate.figures.wording import plural
 from palpate.network.reading import load_network

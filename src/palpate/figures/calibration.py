@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from palpate.experiments.results import Results
+from palpate.experiments.comparison.results import Results
 from palpate.figures.palette import BLUE, GREY, INK, PALE, plain, save
 
 if TYPE_CHECKING:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from palpate.experiments.comparison import IN_MODEL
-from palpate.experiments.cost_findings import Stopped, stopped
-from palpate.experiments.cost_sections import PRICES
-from palpate.experiments.findings import under_changes
-from palpate.experiments.results import Results
+from palpate.experiments.comparison.cost_findings import Stopped, stopped
+from palpate.experiments.comparison.cost_sections import PRICES
+from palpate.experiments.comparison.findings import under_changes
+from palpate.experiments.comparison.plan import IN_MODEL
+from palpate.experiments.comparison.results import Results
 from palpate.experiments.statistics import Contrast
 from palpate.figures.palette import GREY, INK, PALE, plain, save, whole
 

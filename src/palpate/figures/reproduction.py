@@ -6,8 +6,8 @@ from pathlib import Path
 
 from palpate.experiments.engines import engine_words
 from palpate.experiments.frames import Frame
-from palpate.experiments.paper import Paper
-from palpate.experiments.reproduction import GREEDY, RANDOM, START
+from palpate.experiments.reproduction.paper import Paper
+from palpate.experiments.reproduction.tasks import GREEDY, RANDOM, START
 from palpate.figures.action_counts import draw_action_counts
 from palpate.figures.case_studies import draw_case_studies
 from palpate.figures.paired_curves import Quantity, draw_curves

@@ -14,8 +14,8 @@ from palpate.errors import LogError, choices, near
 from palpate.network.model import Network
 from palpate.outcomes import Outcome
 from palpate.robots.session import Recording, Session
-from palpate.robots.upload_format import AS_PUBLISHED, FILE_NAME, FORM, Conventions, UploadDictionary
 from palpate.robots.upload_outcomes import averaged_outcome, classified_outcome, measured_outcome
+from palpate.store.importing.upload_format import AS_PUBLISHED, Conventions, UploadDictionary, files_in
 
 __all__ = ["AS_PUBLISHED", "Conventions", "convert"]
 
@@ -49,7 +49,7 @@ def convert(
         No upload dictionary is there, one cannot be read, lacks a key or has an odd name, an entry
         is of no action of the network, or the files are of different objects.
     """
-    dictionaries = [UploadDictionary.read(path) for path in _files(paths)]
+    dictionaries = [UploadDictionary.read(path) for path in files_in(paths)]
     objects = {str(d.at("measurement", "object_instance", "common_name")) for d in dictionaries}
     if len(objects) > 1:
         found = f"recordings of {', '.join(sorted(objects))} were found"
@@ -68,17 +68,6 @@ def convert(
     )
 
 
-def _files(paths: str | Path | Iterable[str | Path]) -> list[Path]:
-    """The files named, and those in the folders named, each once."""
-    found: dict[Path, None] = {}
-    for path in map(Path, [paths] if isinstance(paths, str | Path) else paths):
-        inside = sorted(p for p in path.glob("*.json") if FILE_NAME.fullmatch(p.name)) if path.is_dir() else [path]
-        if not inside:
-            raise LogError(f"{path}: no file {FORM} was found")
-        found |= dict.fromkeys(inside)
-    return list(found)
-
-
 def _setup(dictionary: UploadDictionary) -> dict[str, Any]:
     """Return the devices, the object as its data set knows it, and the time in the files' names."""
     setup, instance = (dictionary.mapping("measurement", key) for key in ("setup", "object_instance"))
@@ -91,7 +80,9 @@ def _recording(dictionary: UploadDictionary, network: Network, conventions: Conv
     if action not in network.actions:
         hint = near(action, network.actions)
         raise LogError(f"{dictionary.file}: entry.name {name!r}{hint} is of no action; {choices(network.actions)}")
-    series, files = _signals(dictionary)
+    series, paths = dictionary.signals()
+    # The folders are another computer's; Windows' rules split both kinds of path.
+    files = {channel: PureWindowsPath(path).name for channel, path in paths.items()}
     channels = {channel.rpartition(".")[2]: channel for channel in series}
     decisions = [f"{channel} {told}" for channel, told in conventions.remarks.items() if channel in channels]
     decisions += [f"the file of {channel}, {file}, is not there" for channel, file in files.items()]
@@ -127,20 +118,3 @@ def _outcome(
     channel, unit = conventions.from_series[name]
     samples = next((values for key, values in series.items() if key.rpartition(".")[2] == channel), ())
     return averaged_outcome(dictionary, samples, channel, unit, decisions)
-
-
-def _signals(dictionary: UploadDictionary) -> tuple[dict[str, Sequence[float]], dict[str, str]]:
-    """Return the numeric series and the names of the signals' files, by device and channel."""
-    series: dict[str, Sequence[float]] = {}
-    files: dict[str, str] = {}
-    for device in dictionary.mapping("measurement", "sensor_outputs"):
-        for channel, signal in dictionary.mapping("measurement", "sensor_outputs", device).items():
-            if isinstance(signal, str):
-                # The folders are another computer's; Windows' rules split both kinds of path.
-                files[f"{device}.{channel}"] = PureWindowsPath(signal).name
-            elif isinstance(signal, list) and all(isinstance(sample, int | float) for sample in signal):
-                series[f"{device}.{channel}"] = signal
-            else:
-                where = f"{dictionary.file}: measurement.sensor_outputs.{device}.{channel}"
-                raise LogError(f"{where}: a list of numbers or the path of a file was expected")
-    return series, files

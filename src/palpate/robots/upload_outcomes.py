@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from palpate.errors import LogError
 from palpate.inference.exact import ExactBelief
 from palpate.network.model import Action, Network
 from palpate.network.properties import CategoricalProperty
 from palpate.outcomes import Failed, Label, Outcome, Posterior, Reading
-from palpate.robots.upload_format import Conventions, UploadDictionary
+from palpate.store.importing.upload_format import Conventions, UploadDictionary
 
 __all__ = ["averaged_outcome", "classified_outcome", "measured_outcome"]
 
@@ -58,8 +57,7 @@ def classified_outcome(
     decisions: list[str],
 ) -> Outcome:
     """Take a classifier's probabilities, or its most probable label."""
-    dictionary.first_value()
-    found = _probabilities(dictionary)
+    found = dictionary.probabilities()
     if labels:
         return _labelled(action, found, conventions, decisions)
     measured = network.property(action.sensor.property)
@@ -74,16 +72,6 @@ def classified_outcome(
         told = ", ".join([*held, f"{silent} of probability zero"] if silent else held)
         decisions.append(f"labels that are no states of {measured.name} ({told}) are kept, and spread when admitted")
     return Posterior(found)
-
-
-def _probabilities(dictionary: UploadDictionary) -> dict[str, float]:
-    found = {}
-    for value in dictionary.at("entry", "values"):
-        name, p = (value.get(key) if isinstance(value, Mapping) else None for key in ("name", "probability"))
-        if not isinstance(name, str) or not isinstance(p, int | float):
-            raise LogError(f"{dictionary.file}: entry.values: a name and a probability were expected in each")
-        found[name] = float(p)
-    return found
 
 
 def _split(

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from palpate.experiments.calibration_findings import numbers
-from palpate.experiments.comparison import calibration_tasks
-from palpate.experiments.results import Results
+from palpate.experiments.comparison.calibration_findings import numbers
+from palpate.experiments.comparison.plan import calibration_tasks
+from palpate.experiments.comparison.results import Results
 from tests.experiments.made_up import results
 
 OBJECTS = 400

@@ -2,7 +2,7 @@
 
 import pytest
 
-from palpate.experiments.calibration_findings import checks, numbers, states
+from palpate.experiments.comparison.calibration_findings import checks, numbers, states
 from tests.experiments.made_up import results, row
 
 

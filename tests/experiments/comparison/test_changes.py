@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import palpate
-from palpate.experiments.changes import Change, Noise, PermutedConfusion, SkewedPrior
+from palpate.experiments.comparison.changes import Change, Noise, PermutedConfusion, SkewedPrior
 from palpate.network.sensors import ConfusionSensor, NumberSensor
 
 NETWORK = palpate.load_network("household-filled")

@@ -8,10 +8,10 @@ import pytest
 from numpy.typing import NDArray
 
 import palpate
-from palpate.experiments.contest import ContestTask, objective_of
-from palpate.experiments.methods import EXACT, RANDOM, RELEASED, ByPolicy, Method, StaticSets, few_methods
+from palpate.experiments.comparison.contest import ContestTask, objective_of
+from palpate.experiments.comparison.methods import EXACT, RANDOM, RELEASED, ByPolicy, Method, StaticSets, few_methods
+from palpate.experiments.comparison.worlds import worlds
 from palpate.experiments.running import Row
-from palpate.experiments.worlds import worlds
 from palpate.selection.policies import Greedy
 
 GREEDY, ACTSEL, _, CHOICES = few_methods()[:4]

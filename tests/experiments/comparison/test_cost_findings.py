@@ -2,8 +2,8 @@
 
 import pytest
 
-from palpate.experiments.cost_findings import over_time, reached, regret, stopped
-from palpate.experiments.results import Results
+from palpate.experiments.comparison.cost_findings import over_time, reached, regret, stopped
+from palpate.experiments.comparison.results import Results
 from tests.experiments.made_up import results, row
 
 

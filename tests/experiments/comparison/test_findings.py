@@ -2,9 +2,9 @@
 
 import pytest
 
-from palpate.experiments.findings import primary, secondary, under_changes, verdict
+from palpate.experiments.comparison.findings import primary, secondary, under_changes, verdict
+from palpate.experiments.comparison.worlds import worlds
 from palpate.experiments.statistics import Contrast
-from palpate.experiments.worlds import worlds
 from tests.experiments.made_up import results, rows
 
 RESULTS = results(list(rows()))

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import palpate
-from palpate.experiments.engines import Engine
-from palpate.experiments.methods import (
+from palpate.experiments.comparison.methods import (
     EXACT,
     AllOrders,
     BalancedOrders,
@@ -17,8 +16,9 @@ from palpate.experiments.methods import (
     few_methods,
     methods_on_costs,
 )
-from palpate.experiments.trial import Trial
-from palpate.experiments.worlds import worlds
+from palpate.experiments.comparison.trial import Trial
+from palpate.experiments.comparison.worlds import worlds
+from palpate.experiments.engines import Engine
 from palpate.inference.belief import Belief
 from palpate.information import entropy_bits
 from palpate.network.sensors import ConfusionSensor

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 import palpate
-from palpate.experiments.optimum import Myopic, OptimumTask
-from palpate.experiments.worlds import worlds
+from palpate.experiments.comparison.optimum import Myopic, OptimumTask
+from palpate.experiments.comparison.worlds import worlds
 from palpate.inference.predictions import LabelPrediction
 
 

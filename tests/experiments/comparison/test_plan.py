@@ -1,9 +1,9 @@
 """The tasks of a comparison cover all objects of all worlds once."""
 
-from palpate.experiments.calibration import CalibrationTask
-from palpate.experiments.comparison import FULL, QUICK, calibration_tasks, comparison_tasks
-from palpate.experiments.contest import ContestTask
-from palpate.experiments.worlds import worlds
+from palpate.experiments.comparison.calibration import CalibrationTask
+from palpate.experiments.comparison.contest import ContestTask
+from palpate.experiments.comparison.plan import FULL, QUICK, calibration_tasks, comparison_tasks
+from palpate.experiments.comparison.worlds import worlds
 
 
 def test_every_object_is_in_one_task() -> None:

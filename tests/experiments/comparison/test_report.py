@@ -1,9 +1,9 @@
 """The reports, on rows made up by hand."""
 
-from palpate.experiments.belief_sections import calibration_report
-from palpate.experiments.comparison_report import comparison_report
-from palpate.experiments.methods import all_methods
-from palpate.experiments.worlds import worlds
+from palpate.experiments.comparison.belief_sections import calibration_report
+from palpate.experiments.comparison.methods import all_methods
+from palpate.experiments.comparison.report import comparison_report
+from palpate.experiments.comparison.worlds import worlds
 from tests.experiments.made_up import results, rows
 
 TEXT = comparison_report(results(list(rows())), {"seed": 3, "kind": "made up"})

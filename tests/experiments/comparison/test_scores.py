@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import palpate
-from palpate.experiments.scores import scores
+from palpate.experiments.comparison.scores import scores
 from palpate.inference.marginals import ContinuousMarginal
 from palpate.inference.message_passing import MessagePassingBelief
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import palpate
-from palpate.experiments.vector_fed import VectorFed, VectorFedBelief
+from palpate.experiments.comparison.vector_fed import VectorFed, VectorFedBelief
 from palpate.inference.message_passing import MessagePassingBelief, Settings
 from palpate.network.sensors import ConfusionSensor
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import palpate
-from palpate.experiments.worlds import World, dealt_costs, drawn_objects, worlds
+from palpate.experiments.comparison.worlds import World, dealt_costs, drawn_objects, worlds
 
 NETWORK = palpate.load_network("household-filled")
 

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from palpate.experiments.claims import CHECKS, check, verdicts
 from palpate.experiments.frames import Frame
-from palpate.experiments.paper import Claim, paper
-from palpate.experiments.reproduction import GREEDY, RANDOM
-from palpate.experiments.verdict import Finding, Verdict
+from palpate.experiments.reproduction.claims import CHECKS, check, verdicts
+from palpate.experiments.reproduction.paper import Claim, paper
+from palpate.experiments.reproduction.tasks import GREEDY, RANDOM
+from palpate.experiments.reproduction.verdict import Finding, Verdict
 
 ACTIONS = ("look", "lift")
 

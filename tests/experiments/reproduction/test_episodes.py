@@ -15,10 +15,10 @@ from palpate import (
     Weighted,
     explore,
 )
-from palpate.experiments.arms import Arm
 from palpate.experiments.branches import Branches
 from palpate.experiments.engines import PRESETS, Exact, MessagePassing, engine_words
-from palpate.experiments.episodes import Goal, episode
+from palpate.experiments.reproduction.arms import Arm
+from palpate.experiments.reproduction.episodes import Goal, episode
 from palpate.experiments.tapes import TapeRobot, draw_tapes
 from palpate.inference.message_passing import MessagePassingBelief, Settings
 from palpate.selection.stopping import NetGainBelow

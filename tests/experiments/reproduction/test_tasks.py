@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from palpate import EvidenceError, ExactBelief, Learn, Network, explore, load_network
-from palpate.experiments.claims import verdicts
 from palpate.experiments.engines import PRESETS, Engine, Exact, MessagePassing
-from palpate.experiments.paper import paper
-from palpate.experiments.plan import plan
-from palpate.experiments.report import claims_table, report
-from palpate.experiments.reproduction import GREEDY, RANDOM, START, TapeTask
+from palpate.experiments.reproduction.claims import verdicts
+from palpate.experiments.reproduction.paper import paper
+from palpate.experiments.reproduction.plan import plan
+from palpate.experiments.reproduction.report import claims_table, report
+from palpate.experiments.reproduction.tables import BELIEFS, STEPS, read_table, save_tables
+from palpate.experiments.reproduction.tasks import GREEDY, RANDOM, START, TapeTask
 from palpate.experiments.running import run_tasks, settings_of
-from palpate.experiments.tables import BELIEFS, STEPS, read_table, save_tables
 from palpate.experiments.tapes import TapeRobot
 from palpate.experiments.workers import executor
 from palpate.figures.reproduction import draw_reproduction

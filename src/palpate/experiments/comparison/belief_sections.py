@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from palpate.experiments import calibration_findings
-from palpate.experiments.comparison import IN_MODEL
+from palpate.experiments.comparison import calibration_findings
+from palpate.experiments.comparison.plan import IN_MODEL
+from palpate.experiments.comparison.results import Results
+from palpate.experiments.comparison.sections import own_methods_of, settings_words
 from palpate.experiments.markdown import Cell, table
-from palpate.experiments.results import Results
-from palpate.experiments.sections import own_methods_of, settings_words
 
 __all__ = ["calibration_report", "numbers_section", "states_section"]
 

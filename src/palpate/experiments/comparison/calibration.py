@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from palpate.experiments.contest import objective_of
-from palpate.experiments.methods import EXACT
+from palpate.experiments.comparison.contest import objective_of
+from palpate.experiments.comparison.methods import EXACT
+from palpate.experiments.comparison.trial import Trial
+from palpate.experiments.comparison.worlds import World
 from palpate.experiments.running import Row
-from palpate.experiments.trial import Trial
-from palpate.experiments.worlds import World
 
 __all__ = ["CalibrationTask"]
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.experiments.comparison.results import Results
 from palpate.experiments.measures import class_wise_ece, covered
-from palpate.experiments.results import Results
 
 __all__ = ["Check", "NumberCalibration", "StateCalibration", "checks", "numbers", "states"]
 

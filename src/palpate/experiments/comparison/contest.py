@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.experiments.comparison.methods import EXACT, Course, Method
+from palpate.experiments.comparison.trial import Trial
+from palpate.experiments.comparison.worlds import World
 from palpate.experiments.engines import Engine
-from palpate.experiments.methods import EXACT, Course, Method
 from palpate.experiments.running import Row
 from palpate.experiments.tapes import stable_int
-from palpate.experiments.trial import Trial
-from palpate.experiments.worlds import World
 from palpate.inference.belief import Belief
 from palpate.network.model import Network
 from palpate.selection.objectives import Learn

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.experiments.results import Path, Results
+from palpate.experiments.comparison.results import Path, Results
 from palpate.experiments.statistics import bootstrap_interval
 
 __all__ = ["Reached", "Stopped", "over_time", "reached", "regret", "stopped"]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from palpate.experiments.comparison import IN_MODEL
-from palpate.experiments.results import Results
+from palpate.experiments.comparison.plan import IN_MODEL
+from palpate.experiments.comparison.results import Results
 from palpate.experiments.statistics import Contrast, adjusted, contrast
 
 __all__ = ["PRIMARY", "mean_over_steps", "primary", "secondary", "under_changes", "verdict"]

@@ -10,10 +10,10 @@ from typing import Protocol
 
 import numpy as np
 
+from palpate.experiments.comparison.trial import Trial
+from palpate.experiments.comparison.vector_fed import VectorFed
 from palpate.experiments.engines import Engine, Exact, MessagePassing
 from palpate.experiments.tapes import stable_int
-from palpate.experiments.trial import Trial
-from palpate.experiments.vector_fed import VectorFed
 from palpate.inference.exact import ExactBelief
 from palpate.inference.message_passing.settings import Settings
 from palpate.network.model import Network

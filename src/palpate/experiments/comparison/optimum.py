@@ -8,9 +8,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.experiments.contest import objective_of
+from palpate.experiments.comparison.contest import objective_of
+from palpate.experiments.comparison.worlds import World
 from palpate.experiments.running import Row
-from palpate.experiments.worlds import World
 from palpate.inference.exact import ExactBelief
 from palpate.selection.tabled import Tabled
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from palpate.experiments.calibration import CalibrationTask
-from palpate.experiments.contest import ContestTask
-from palpate.experiments.methods import Method, all_methods, few_methods, methods_on_costs
-from palpate.experiments.optimum import OptimumTask
+from palpate.experiments.comparison.calibration import CalibrationTask
+from palpate.experiments.comparison.contest import ContestTask
+from palpate.experiments.comparison.methods import Method, all_methods, few_methods, methods_on_costs
+from palpate.experiments.comparison.optimum import OptimumTask
+from palpate.experiments.comparison.worlds import NETWORK, World, worlds
 from palpate.experiments.running import Task
-from palpate.experiments.worlds import NETWORK, World, worlds
 
 __all__ = ["FULL", "IN_MODEL", "QUICK", "Size", "calibration_tasks", "comparison_tasks"]
 

@@ -6,17 +6,17 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from palpate.experiments import findings
-from palpate.experiments.belief_sections import numbers_section, states_section
-from palpate.experiments.comparison import IN_MODEL
-from palpate.experiments.cost_sections import gains_section, regret_section, stopping_section, target_section
-from palpate.experiments.findings import p_words
+from palpate.experiments.comparison import findings
+from palpate.experiments.comparison.belief_sections import numbers_section, states_section
+from palpate.experiments.comparison.cost_sections import gains_section, regret_section, stopping_section, target_section
+from palpate.experiments.comparison.findings import p_words
+from palpate.experiments.comparison.plan import IN_MODEL
+from palpate.experiments.comparison.results import Results
+from palpate.experiments.comparison.sections import METHOD_WORDS, methods_of, settings_words
+from palpate.experiments.comparison.worlds import worlds
 from palpate.experiments.markdown import Cell, table
 from palpate.experiments.measures import FLOOR
-from palpate.experiments.results import Results
-from palpate.experiments.sections import METHOD_WORDS, methods_of, settings_words
 from palpate.experiments.statistics import Contrast
-from palpate.experiments.worlds import worlds
 
 __all__ = ["comparison_report"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from palpate.experiments.methods import all_methods
-from palpate.experiments.results import Results
+from palpate.experiments.comparison.methods import all_methods
+from palpate.experiments.comparison.results import Results
 
 __all__ = ["METHOD_WORDS", "methods_of", "own_methods_of", "settings_words"]
 

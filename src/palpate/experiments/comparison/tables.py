@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from palpate.experiments.results import Results
+from palpate.experiments.comparison.results import Results
+from palpate.experiments.reproduction.tables import read_table
 from palpate.experiments.running import gathered
-from palpate.experiments.tables import read_table
 
 __all__ = ["RESULTS", "read_results", "save_results"]
 

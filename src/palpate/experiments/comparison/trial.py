@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from palpate.experiments.branches import Branches
+from palpate.experiments.comparison.scores import scores
 from palpate.experiments.engines import Engine
 from palpate.experiments.running import Row
-from palpate.experiments.scores import scores
 from palpate.experiments.tapes import Tape
 from palpate.inference.belief import Belief
 from palpate.network.model import Network

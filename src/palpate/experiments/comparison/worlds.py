@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 
-from palpate.experiments.changes import Change, Noise, PermutedConfusion, SkewedPrior
+from palpate.experiments.comparison.changes import Change, Noise, PermutedConfusion, SkewedPrior
 from palpate.experiments.tapes import Tape, draw_tape, draw_tapes, stable_int
 from palpate.inference.exact import ExactBelief
 from palpate.network.model import KnownObject, Network, TrueValue

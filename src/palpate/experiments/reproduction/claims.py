@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.experiments.frames import Frame
-from palpate.experiments.paper import Claim
-from palpate.experiments.reproduction import GREEDY, RANDOM, START
+from palpate.experiments.reproduction.paper import Claim
+from palpate.experiments.reproduction.tasks import GREEDY, RANDOM, START
+from palpate.experiments.reproduction.verdict import Finding, Verdict
 from palpate.experiments.statistics import contrast, object_means
-from palpate.experiments.verdict import Finding, Verdict
 
 __all__ = ["CHECKS", "check", "verdicts"]
 

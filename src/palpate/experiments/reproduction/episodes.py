@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.experiments.arms import Arm
 from palpate.experiments.branches import Branches, Taken
+from palpate.experiments.reproduction.arms import Arm
 from palpate.selection.objectives import Learn
 from palpate.selection.policies import Choice
 from palpate.selection.stopping import Situation

@@ -18,7 +18,7 @@ class Claim:
     Parameters
     ----------
     kind
-        How it is checked: one of `palpate.experiments.claims.CHECKS`.
+        How it is checked: one of `palpate.experiments.reproduction.claims.CHECKS`.
     action
         The action it is about; empty where it is about none.
     """

@@ -9,10 +9,10 @@ from pathlib import Path
 from palpate import __version__
 from palpate.errors import EvidenceError, choices, near
 from palpate.experiments.engines import Engine, MessagePassing
-from palpate.experiments.episodes import Goal
-from palpate.experiments.paper import paper
 from palpate.experiments.published import published_tapes
-from palpate.experiments.reproduction import StartTask, TapeTask
+from palpate.experiments.reproduction.episodes import Goal
+from palpate.experiments.reproduction.paper import paper
+from palpate.experiments.reproduction.tasks import StartTask, TapeTask
 from palpate.experiments.shared import SharedNetwork
 from palpate.experiments.tapes import Tape, draw_tapes
 from palpate.inference.message_passing.settings import Settings

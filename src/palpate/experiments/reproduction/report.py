@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.experiments.claims import verdicts
 from palpate.experiments.engines import engine_words
 from palpate.experiments.frames import Frame
 from palpate.experiments.markdown import table
-from palpate.experiments.paper import Paper
-from palpate.experiments.reproduction import GREEDY, LEAST_GAIN_BITS, START
-from palpate.experiments.verdict import Verdict
+from palpate.experiments.reproduction.claims import verdicts
+from palpate.experiments.reproduction.paper import Paper
+from palpate.experiments.reproduction.tasks import GREEDY, LEAST_GAIN_BITS, START
+from palpate.experiments.reproduction.verdict import Verdict
 
 __all__ = ["claims_table", "report"]
 

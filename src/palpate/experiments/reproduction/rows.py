@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from palpate.evidence import format_item
 from palpate.experiments.branches import Branches, Taken
-from palpate.experiments.episodes import Goal, Point
 from palpate.experiments.measures import cross_entropy_bits
+from palpate.experiments.reproduction.episodes import Goal, Point
 from palpate.experiments.workers import Row
 from palpate.inference.marginals import CategoricalMarginal, ContinuousMarginal
 from palpate.network.model import Network

@@ -9,7 +9,7 @@ import numpy as np
 
 from palpate.errors import PalpateError
 from palpate.experiments.frames import Frame
-from palpate.experiments.rows import SHOWN
+from palpate.experiments.reproduction.rows import SHOWN
 from palpate.experiments.running import gathered
 
 if TYPE_CHECKING:

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.experiments.arms import Arm
 from palpate.experiments.branches import Branches
 from palpate.experiments.engines import Engine, Exact
-from palpate.experiments.episodes import Goal, episode
-from palpate.experiments.paper import Case
-from palpate.experiments.rows import SHOWN, Writer, gain_columns
+from palpate.experiments.reproduction.arms import Arm
+from palpate.experiments.reproduction.episodes import Goal, episode
+from palpate.experiments.reproduction.paper import Case
+from palpate.experiments.reproduction.rows import SHOWN, Writer, gain_columns
 from palpate.experiments.shared import SharedNetwork
 from palpate.experiments.tapes import Tape, stable_int
 from palpate.experiments.workers import Row

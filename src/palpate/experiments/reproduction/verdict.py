@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from palpate.experiments.engines import engine_words
-from palpate.experiments.paper import Claim
+from palpate.experiments.reproduction.paper import Claim
 
 __all__ = ["Finding", "Verdict"]
 

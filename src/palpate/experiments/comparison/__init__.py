@@ -1,0 +1,1 @@
+"""Methods compared in many worlds: tasks, scores, findings and their report."""

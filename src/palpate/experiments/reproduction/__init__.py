@@ -1,0 +1,1 @@
+"""The paper's experiments, run again: tasks, tables, claims and their report."""
