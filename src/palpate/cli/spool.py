@@ -1,0 +1,84 @@
+"""`palpate spool`: what was recorded and is in no store yet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from palpate.client import Receiver
+
+__all__ = ["app"]
+
+app = typer.Typer(help="List, recover and send what was recorded and is in no store yet.")
+
+Folder = Annotated[
+    Path | None, typer.Option("--spool", metavar="FOLDER", help="The spool; unless given PALPATE_SPOOL, or the user's.")
+]
+
+
+@app.callback()
+def spool() -> None:
+    """List, recover and send what was recorded and is in no store yet."""
+
+
+@app.command("list")
+def list_(spool: Folder = None) -> None:
+    """List the recordings that wait, those that a store refused, and those that are not whole."""
+    from palpate.cli.spool_view import print_spool
+    from palpate.recording.spool import Spool
+
+    print_spool(Spool(spool))
+
+
+@app.command("recover")
+def recover(spool: Folder = None) -> None:
+    """Make what killed programs left behind recordings that wait, marked as failed."""
+    from palpate.cli.spool_view import print_recovered
+    from palpate.recording.spool import Spool
+
+    print_recovered(Spool(spool).recover())
+
+
+@app.command("upload")
+def upload(
+    to: Annotated[
+        str | None,
+        typer.Option(
+            "--to",
+            metavar="PLACE",
+            help="A store, or the address of a server; unless given PALPATE_STORE, or the user's.",
+        ),
+    ] = None,
+    spool: Folder = None,
+    refused: Annotated[bool, typer.Option("--refused", help="Send those again that were refused.")] = False,
+    attempts: Annotated[int, typer.Option(min=1, help="How often to try before giving up.")] = 5,
+) -> None:
+    """Send the recordings that wait; each leaves the spool when the receiver has acknowledged it."""
+    from palpate.cli.spool_view import print_sent
+    from palpate.recording.spool import Spool
+    from palpate.recording.uploading import BackOff
+    from palpate.recording.uploading import upload as send
+
+    found = Spool(spool)
+    for name in found.refused() if refused else ():
+        found.requeue(name)
+    with _receiver(to) as receiver:
+        print_sent(found, send(found, receiver, back_off=BackOff(attempts=attempts)))
+
+
+@contextmanager
+def _receiver(place: str | None) -> Iterator[Receiver]:
+    if place is not None and place.startswith(("http://", "https://")):
+        from palpate.client import HttpReceiver
+
+        yield HttpReceiver(place)
+        return
+    from palpate.store.opening import open_store
+
+    with open_store(place) as store:
+        yield store

@@ -1,0 +1,62 @@
+"""What the command line says about a spool."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from palpate.cli.terminal import console
+from palpate.recording.spool import Spool
+from palpate.recording.uploading import Sent
+from palpate.store.entries import FailedEntry
+from palpate.store.errors import StoreError
+from palpate.store.records import Recording
+
+__all__ = ["print_recovered", "print_sent", "print_spool"]
+
+
+def print_spool(spool: Spool) -> None:
+    """Print each recording of a spool with its state."""
+    waiting, refused, unfinished = spool.waiting(), spool.refused(), spool.unfinished()
+    counts = f"{len(waiting)} waiting, {len(refused)} refused, {len(unfinished)} not whole"
+    out = console()
+    out.print(f"{spool.folder}: {counts}", soft_wrap=True)
+    for name in waiting:
+        out.print(f"waiting  {name}  {_in_short(spool, name)}", soft_wrap=True)
+    for name, reason in refused.items():
+        out.print(f"refused  {name}  {reason}", soft_wrap=True)
+    for name, is_running in unfinished.items():
+        told = "is being recorded" if is_running else "was cut off: palpate spool recover"
+        out.print(f"open     {name}  {told}", soft_wrap=True)
+
+
+def print_recovered(recovered: Iterable[tuple[str, Recording | StoreError]]) -> None:
+    """Print what became of each remainder."""
+    out = console()
+    count = 0
+    for name, found in recovered:
+        count += isinstance(found, Recording)
+        told = f"recovered {_words(found)}" if isinstance(found, Recording) else f"left as it is: {found}"
+        out.print(f"{name}  {told}", soft_wrap=True)
+    out.print(f"{count} recovered", soft_wrap=True)
+
+
+def print_sent(spool: Spool, sent: Iterable[Sent]) -> None:
+    """Print what became of each recording, as it happens."""
+    out = console()
+    for one in sent:
+        out.print(f"{one.state:8} {one.name}  {one.reason}".rstrip(), soft_wrap=True)
+    out.print(f"{len(spool.waiting())} waiting, {len(spool.refused())} refused", soft_wrap=True)
+
+
+def _in_short(spool: Spool, name: str) -> str:
+    try:
+        return _words(spool.read(name))
+    except StoreError as error:
+        return f"damaged: {error}"
+
+
+def _words(recording: Recording) -> str:
+    told = [f"failed, {e.reason}" if isinstance(e, FailedEntry) else e.property for e in recording.entries]
+    thing = recording.thing.common_name or recording.thing.id
+    # a reason may hold line breaks
+    return f"{recording.action} of {thing}: {' '.join(', '.join(told).split()) or 'signals'}"

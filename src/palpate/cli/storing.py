@@ -1,0 +1,109 @@
+"""What the commands of `palpate store` share: opening, strings to objects, and telling what was done."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+from uuid import UUID
+
+from palpate.errors import PalpateError
+from palpate.figures.wording import plural
+
+if TYPE_CHECKING:
+    from palpate.store.records import Recording
+    from palpate.store.store import Store
+    from palpate.store.verifying import Fault
+
+__all__ = ["found_recording", "import_path", "labels_of", "moment_of", "opened", "tell_faults"]
+
+
+@contextmanager
+def opened(place: str | None, blobs: str | None) -> Iterator[Store]:
+    """The store of the options, closed afterwards."""
+    try:
+        from palpate.store.opening import open_store
+    except ImportError as error:
+        raise PalpateError(
+            f'palpate store needs {error.name}, which is not installed: pip install "palpate[store]"'
+        ) from error
+    with open_store(place, blobs) as found:
+        yield found
+
+
+def labels_of(texts: Iterable[str]) -> Mapping[str, str]:
+    """``PROPERTY=LABEL`` as pairs."""
+    labels = {}
+    for text in texts:
+        name, equals, label = text.partition("=")
+        if not (name and equals and label):
+            raise PalpateError(f"--label: {text!r} was found, expected PROPERTY=LABEL")
+        labels[name] = label
+    return labels
+
+
+def moment_of(option: str, text: str | None) -> datetime | None:
+    """A date or time in ISO 8601, in UTC unless it has a time zone."""
+    if text is None:
+        return None
+    try:
+        moment = datetime.fromisoformat(text)
+    except ValueError:
+        raise PalpateError(f"{option}: {text!r} was found, expected a date or time such as 2024-05-01T14:00") from None
+    return moment if moment.utcoffset() is not None else moment.replace(tzinfo=UTC)
+
+
+def found_recording(store: Store, key: str) -> Recording:
+    """The recording of an id or a digest."""
+    try:
+        return store.get(UUID(key))
+    except ValueError as error:
+        # an error of the store is one of values too
+        if isinstance(error, PalpateError):
+            raise
+        return store.get(key)
+
+
+def tell_faults(faults: Iterable[Fault]) -> Sequence[Fault]:
+    """Print faults as they come, and how many they were."""
+    told = []
+    for fault in faults:
+        print(f"{fault.where}: {fault.what} (repair: {fault.remedy or 'nothing that is safe'})")
+        told.append(fault)
+    print(plural(len(told), "fault") if told else "all is as it was written")
+    return told
+
+
+def import_path(store: Store, path: Path, *, verbose: bool) -> int:
+    """Import an archive, or upload dictionaries; say what became of them, and return how many were refused."""
+    if (path / "manifest.json").is_file():
+        return _import_archive(store, path)
+    return _import_uploads(store, path, verbose=verbose)
+
+
+def _import_archive(store: Store, path: Path) -> int:
+    from palpate.store.archive import import_archive
+
+    imported = import_archive(store, path)
+    for reason in imported.refused:
+        print(f"refused: {reason}")
+    print(f"{path}: {imported.new} new, {imported.known} there already, {len(imported.refused)} refused")
+    return len(imported.refused)
+
+
+def _import_uploads(store: Store, path: Path, *, verbose: bool) -> int:
+    from palpate.store.importing.uploads import import_uploads
+
+    new = known = refused = 0
+    for item in import_uploads(path, store.put):
+        if item.recording is None:
+            refused += 1
+            print(f"refused: {item.file}: {item.reason}")
+            continue
+        new, known = new + item.new, known + (not item.new)
+        for notice in item.recording.notices if verbose else ():
+            print(f"{item.file.name}: {notice}")
+    print(f"{path}: {new} new, {known} there already, {refused} refused")
+    return refused

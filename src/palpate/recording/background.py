@@ -1,0 +1,95 @@
+"""Sending recordings in the background, for as long as a program runs."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from palpate.client import NotAllowedError, Receiver, ReceiverError, UnreachableError
+from palpate.recording.spool import Spool
+from palpate.recording.uploading import BackOff, upload
+
+__all__ = ["Uploader", "uploading"]
+
+_log = logging.getLogger("palpate.recording")
+
+
+class Uploader:
+    """Sends what waits in a spool, in a thread of its own; `uploading` starts and stops it.
+
+    Attributes
+    ----------
+    error
+        Why it sends nothing at present; None where nothing is wrong.
+    """
+
+    def __init__(
+        self, spool: Spool, receiver: Receiver, *, every_s: float = 5.0, back_off: BackOff | None = None
+    ) -> None:
+        self.error: ReceiverError | OSError | None = None
+        self._spool = spool
+        self._receiver = receiver
+        self._every_s = every_s
+        self._back_off = back_off or BackOff()
+        self._stopped = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="palpate-upload", daemon=True)
+
+    def start(self) -> None:
+        """Begin to send."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Send no more once the recording that is on its way has arrived; the rest waits in the spool."""
+        self._stopped.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        failures = 0
+        while not self._stopped.is_set():
+            try:
+                self._pass()
+            except NotAllowedError as error:
+                # nobody lets it in later who does not now
+                self.error = error
+                _log.error("nothing is sent: %s", error)
+                return
+            except (UnreachableError, OSError) as error:
+                failures += 1
+                self.error = error
+                _log.warning("not sent yet: %s", error)
+            else:
+                failures, self.error = 0, None
+            self._stopped.wait(self._back_off.wait_s(failures) if failures else self._every_s)
+
+    def _pass(self) -> None:
+        # the waits are between passes, where `stop` ends them
+        once = BackOff(attempts=1)
+        for sent in upload(self._spool, self._receiver, back_off=once):
+            _log.info("%s: %s %s", sent.name, sent.state, sent.reason)
+            if self._stopped.is_set():
+                return
+
+
+@contextmanager
+def uploading(
+    spool: Spool, receiver: Receiver, *, every_s: float = 5.0, back_off: BackOff | None = None
+) -> Iterator[Uploader]:
+    """Send recordings in the background while the block runs.
+
+    What is not sent when it ends waits in the spool, for the next time or for ``palpate spool upload``.
+
+    Raises
+    ------
+    NotAllowedError
+        When the block ends, if the token was wrong.
+    """
+    uploader = Uploader(spool, receiver, every_s=every_s, back_off=back_off)
+    uploader.start()
+    try:
+        yield uploader
+    finally:
+        uploader.stop()
+    if isinstance(uploader.error, NotAllowedError):
+        raise uploader.error

@@ -1,0 +1,123 @@
+"""Sending what waits in the spool to a store."""
+
+from __future__ import annotations
+
+import logging
+import random
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from palpate.client import Acknowledged, Receiver, RefusedError, UnreachableError
+from palpate.recording.spool import Spool
+from palpate.store.checks import check
+from palpate.store.errors import StoreError
+from palpate.store.records import Recording
+
+__all__ = ["BackOff", "Sent", "upload"]
+
+_log = logging.getLogger("palpate.recording")
+
+
+@dataclass(frozen=True)
+class BackOff:
+    """How often and after how long to try again; each wait is longer, and shortened by chance to half at most.
+
+    Examples
+    --------
+    >>> BackOff(first_s=1.0, longest_s=5.0).longest_waits(4)
+    [1.0, 2.0, 4.0, 5.0]
+    """
+
+    attempts: int = 5
+    first_s: float = 0.5
+    factor: float = 2.0
+    longest_s: float = 300.0
+
+    def longest_waits(self, count: int) -> list[float]:
+        """The first waits, not shortened [s]."""
+        return [min(self.first_s * self.factor**attempt, self.longest_s) for attempt in range(count)]
+
+    def wait_s(self, failures: int) -> float:
+        """How long to wait after so many failures."""
+        # among many robots that lost one server at once, chance keeps them from coming back at once
+        return self.longest_waits(failures)[-1] * random.uniform(0.5, 1.0)
+
+
+@dataclass(frozen=True)
+class Sent:
+    """What became of a recording: ``sent``, ``known`` (the store had it), ``refused`` or still ``waiting``; and why."""
+
+    name: str
+    state: str
+    reason: str = ""
+
+
+def upload(
+    spool: Spool,
+    receiver: Receiver,
+    *,
+    back_off: BackOff | None = None,
+    sleep: Callable[[float], object] = time.sleep,
+) -> Iterator[Sent]:
+    """Send each recording that waits, the oldest first, and tell what became of it.
+
+    A recording leaves the spool only when the receiver has acknowledged its digest. What it refuses is set aside with
+    the reason.
+
+    Parameters
+    ----------
+    sleep
+        Waits so many seconds.
+
+    Raises
+    ------
+    NotAllowedError
+        If the token is wrong; all that is not acknowledged waits on.
+    UnreachableError
+        If the receiver does not answer after all attempts; likewise.
+    """
+    trying = _Trying(receiver, back_off or BackOff(), sleep)
+    for name in spool.waiting():
+        with spool.claimed(name) as is_mine:
+            if is_mine:
+                yield _send(spool, name, trying)
+
+
+def _send(spool: Spool, name: str, trying: _Trying) -> Sent:
+    try:
+        recording = spool.read(name)
+        check(recording)
+    except StoreError as error:
+        spool.refuse(name, str(error))
+        return Sent(name, "refused", str(error))
+    try:
+        receipt = trying.put(recording)
+    except RefusedError as error:
+        spool.refuse(name, str(error))
+        return Sent(name, "refused", str(error))
+    except StoreError as error:
+        return Sent(name, "waiting", str(error))
+    if receipt.digest != recording.digest:
+        return Sent(name, "waiting", f"the receipt is for {receipt.digest}, expected {recording.digest}")
+    spool.remove(name)
+    return Sent(name, "sent" if receipt.new else "known")
+
+
+@dataclass(frozen=True)
+class _Trying:
+    """A receiver that is asked several times before it counts as unreachable."""
+
+    receiver: Receiver
+    back_off: BackOff
+    sleep: Callable[[float], object]
+
+    def put(self, recording: Recording) -> Acknowledged:
+        for failures in range(1, self.back_off.attempts):
+            try:
+                return self.receiver.put(recording)
+            except (UnreachableError, StoreError) as error:
+                # a store that is busy may have time later
+                _log.info("trying again: %s", error)
+                self.sleep(self.back_off.wait_s(failures))
+        return self.receiver.put(recording)

@@ -1,0 +1,1 @@
+"""Keeping measurements: recordings, the objects and setups they are of, and the database that holds them."""

@@ -1,0 +1,146 @@
+"""Large bytes under their SHA-256: written once, verified when read; in a folder here, in S3 elsewhere."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import suppress
+from hashlib import sha256
+from pathlib import Path
+from typing import Protocol
+
+from palpate.store.content import file_digest
+from palpate.store.errors import DamagedError
+
+__all__ = ["Blobs", "FolderBlobs"]
+
+DRAFT = ".draft-"
+DAMAGED = ".damaged"
+
+
+class Blobs(Protocol):
+    """Where large bytes are kept. A digest is 64 hexadecimal digits."""
+
+    def put(self, digest: str, data: bytes | Path) -> None:
+        """Keep bytes, or those of a file, under their digest; nothing is written where they are there already."""
+
+    def get(self, digest: str) -> bytes:
+        """The bytes of a digest.
+
+        Raises
+        ------
+        DamagedError
+            If they are missing or others than were written.
+        """
+
+    def all(self) -> Iterator[tuple[str, float]]:
+        """Each digest with the time it was written [s since 1970]."""
+
+    def remove(self, digest: str) -> None:
+        """Remove what nothing refers to."""
+
+    def set_aside(self, digest: str) -> None:
+        """Move damaged bytes away, so that the right ones can be put in their place."""
+
+
+class FolderBlobs:
+    """Blobs in a folder, in subfolders by their first two digits.
+
+    Parameters
+    ----------
+    folder
+        Made on first use.
+
+    Examples
+    --------
+    >>> blobs = FolderBlobs(Path("blobs"))
+    >>> digest = sha256(b"a picture").hexdigest()
+    >>> blobs.put(digest, b"a picture")
+    >>> blobs.get(digest)
+    b'a picture'
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def put(self, digest: str, data: bytes | Path) -> None:
+        """Keep bytes under their digest: written beside, flushed to the disk, renamed."""
+        path = self._path(digest)
+        if path.exists():
+            return
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(prefix=DRAFT, dir=path.parent)
+        draft = Path(name)
+        try:
+            with os.fdopen(handle, "wb") as opened:
+                for piece in _pieces(data):
+                    opened.write(piece)
+                opened.flush()
+                os.fsync(opened.fileno())
+            # a file may have changed since its digest was taken
+            if isinstance(data, Path) and file_digest(draft) != digest:
+                raise DamagedError(f"{data}: changed while it was read, expected a file that nothing writes to")
+            draft.replace(path)
+        finally:
+            draft.unlink(missing_ok=True)
+        _flush_folder(path.parent)
+
+    def get(self, digest: str) -> bytes:
+        """The bytes of a digest, verified."""
+        try:
+            data = self._path(digest).read_bytes()
+        except FileNotFoundError:
+            raise DamagedError(f"blob {digest}: is missing in {self.folder}") from None
+        return verified(digest, data, str(self.folder))
+
+    def all(self) -> Iterator[tuple[str, float]]:
+        """Each digest with the time it was written [s since 1970]."""
+        for path in sorted(self.folder.glob("??/*")):
+            if not path.name.startswith(DRAFT) and not path.name.endswith(DAMAGED):
+                yield path.parent.name + path.name, path.stat().st_mtime
+
+    def remove(self, digest: str) -> None:
+        """Remove what nothing refers to."""
+        self._path(digest).unlink(missing_ok=True)
+
+    def set_aside(self, digest: str) -> None:
+        """Rename damaged bytes."""
+        path = self._path(digest)
+        with suppress(FileNotFoundError):
+            path.replace(path.with_name(path.name + DAMAGED))
+
+    def _path(self, digest: str) -> Path:
+        return self.folder / digest[:2] / digest[2:]
+
+
+def verified(digest: str, data: bytes, place: str) -> bytes:
+    """The bytes, if they are the ones of the digest.
+
+    Raises
+    ------
+    DamagedError
+        If they are not.
+    """
+    if sha256(data).hexdigest() != digest:
+        raise DamagedError(f"blob {digest}: {len(data)} bytes in {place} are not the ones that were written")
+    return data
+
+
+def _pieces(data: bytes | Path) -> Iterator[bytes]:
+    if isinstance(data, bytes):
+        yield data
+        return
+    with data.open("rb") as opened:
+        while piece := opened.read(1 << 20):
+            yield piece
+
+
+def _flush_folder(folder: Path) -> None:
+    """Put the name of a new file on the disk, where the system can (Windows does it by itself)."""
+    if os.name == "posix":
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)

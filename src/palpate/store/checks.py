@@ -1,0 +1,184 @@
+"""Whether a recording may be kept; the error names the field that is wrong."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+from palpate.errors import choices
+from palpate.network.units import UnitError, factor, unit_of
+from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
+from palpate.store.errors import StoreError
+from palpate.store.records import DEVICE_KINDS, VISIBILITIES, Device, FileItem, Pose, Recording, Setup, ThingRef
+from palpate.store.signals import check_series
+from palpate.store.texts import check_encoding, check_json, check_name, check_number, check_numbers, check_text
+
+__all__ = ["check", "check_unit"]
+
+CLOCKS_DIFFER = timedelta(minutes=1)
+SUM_TOLERANCE = 1e-6
+
+
+def check(recording: Recording, *, units: Mapping[str, str | None] | None = None, now: datetime | None = None) -> None:
+    """Refuse a recording that cannot be kept.
+
+    Parameters
+    ----------
+    recording
+        What is to be kept.
+    units
+        For each property whose dimension is known, a unit of that dimension.
+    now
+        The present, to which a recording may be ahead by a minute, as clocks differ.
+
+    Raises
+    ------
+    StoreError
+        Naming the field: an empty name, an unknown unit or one of another dimension, a number that is not finite,
+        probabilities that do not sum to one, channels that do not fit together, a time in the future or without a
+        time zone, a file that is not there, a value that JSON cannot hold.
+
+    Examples
+    --------
+    >>> from palpate.store.records import ThingRef
+    >>> moment = datetime(2024, 5, 1, tzinfo=UTC)
+    >>> mug = ThingRef("ycb", "025_mug")
+    >>> check(Recording(moment, "weighing", mug, entries=(Value("mass", float("nan"), unit="g"),)))
+    Traceback (most recent call last):
+    palpate.store.errors.StoreError: entries[0].value: found nan, expected a finite number
+    """
+    _check_moment(recording.recorded_at, now or datetime.now(UTC))
+    check_name("action", recording.action)
+    _check_thing(recording.thing)
+    _check_setup(recording.setup)
+    if recording.visibility not in VISIBILITIES:
+        raise StoreError(f"visibility: found {recording.visibility!r}; {choices(VISIBILITIES)}")
+    for field in ("owner", "licence", "software", "repository"):
+        check_text(field, getattr(recording, field))
+    check_json("grasp", recording.grasp)
+    _check_pose("gripper_pose", recording.gripper_pose)
+    _check_pose("object_pose", recording.object_pose)
+    check_series(recording.series)
+    _check_files(recording.files)
+    for place, entry in enumerate(recording.entries):
+        _check_entry(f"entries[{place}]", entry, units or {})
+    check_encoding("log", recording.log)
+    for place, notice in enumerate(recording.notices):
+        check_text(f"notices[{place}]", notice)
+
+
+def _check_moment(moment: datetime, now: datetime) -> None:
+    if moment.utcoffset() is None:
+        raise StoreError(f"recorded_at: {moment.isoformat()} has no time zone; expected one, such as UTC")
+    if moment > now + CLOCKS_DIFFER:
+        raise StoreError(f"recorded_at: {moment.isoformat()} is in the future; expected a time before {now:%F %T} UTC")
+    if moment.year < 1970:
+        raise StoreError(f"recorded_at: {moment.isoformat()} is before 1970; expected the time of the measurement")
+
+
+def _check_thing(thing: ThingRef) -> None:
+    check_name("thing.dataset", thing.dataset)
+    check_name("thing.id", thing.id)
+    check_text("thing.maker", thing.maker)
+    check_text("thing.common_name", thing.common_name)
+    check_json("thing.attributes", thing.attributes)
+    for place, alias in enumerate(thing.aliases):
+        check_name(f"thing.aliases[{place}]", alias)
+
+
+def _check_setup(setup: Setup) -> None:
+    for kind in DEVICE_KINDS[:-1]:
+        device = getattr(setup, kind)
+        if device is not None:
+            _check_device(f"setup.{kind}", device)
+            if device.kind != kind:
+                raise StoreError(f"setup.{kind}.kind: found {device.kind!r}, expected {kind!r}")
+    for place, device in enumerate(setup.other):
+        _check_device(f"setup.other[{place}]", device)
+
+
+def _check_device(where: str, device: Device) -> None:
+    if device.kind not in DEVICE_KINDS:
+        raise StoreError(f"{where}.kind: found {device.kind!r}; {choices(DEVICE_KINDS)}")
+    check_name(f"{where}.name", device.name)
+    check_text(f"{where}.maker", device.maker)
+    check_text(f"{where}.calibrated_on", device.calibrated_on)
+    check_json(f"{where}.parameters", device.parameters)
+    check_json(f"{where}.calibration", device.calibration)
+
+
+def _check_pose(where: str, pose: Pose | None) -> None:
+    if pose is None:
+        return
+    check_numbers(f"{where}.translation_m", pose.translation_m, 3)
+    if pose.quaternion is not None:
+        check_numbers(f"{where}.quaternion", pose.quaternion, 4)
+        if abs(math.hypot(*pose.quaternion) - 1) > 1e-3:
+            raise StoreError(f"{where}.quaternion: length {math.hypot(*pose.quaternion):.4g}, expected 1")
+    check_name(f"{where}.frame", pose.frame)
+    check_json(f"{where}.original", pose.original)
+
+
+def _check_files(files: Sequence[FileItem]) -> None:
+    names = [item.name for item in files]
+    for place, item in enumerate(files):
+        check_name(f"files[{place}].name", item.name)
+        check_name(f"files[{place}].media_type", item.media_type)
+        if names.index(item.name) < place:
+            raise StoreError(f"files[{place}].name: a second file {item.name!r}, expected names of their own")
+        if isinstance(item.data, Path) and not item.data.is_file():
+            raise StoreError(f"files[{place}].data: there is no file {str(item.data)!r}, expected one that can be read")
+
+
+def _check_entry(where: str, entry: Entry, units: Mapping[str, str | None]) -> None:
+    if isinstance(entry, FailedEntry):
+        check_name(f"{where}.reason", entry.reason)
+        check_text(f"{where}.property", entry.property)
+        return
+    check_name(f"{where}.property", entry.property)
+    if isinstance(entry, Distribution):
+        _check_probabilities(where, entry.probabilities)
+        return
+    for field, number in _numbers_of(where, entry):
+        check_number(field, number)
+    _check_order(where, entry)
+    check_unit(f"{where}.unit", entry.unit, units.get(entry.property))
+
+
+def _numbers_of(where: str, entry: Value | Interval | Bound) -> Iterator[tuple[str, object]]:
+    for name, value in vars(entry).items():
+        if name in ("value", "low", "high") or (name in ("sd", "above", "below") and value is not None):
+            yield f"{where}.{name}", value
+
+
+def _check_order(where: str, entry: Value | Interval | Bound) -> None:
+    if isinstance(entry, Value) and entry.sd is not None and entry.sd < 0:
+        raise StoreError(f"{where}.sd: found {entry.sd}, expected zero or more")
+    if isinstance(entry, Interval) and entry.low > entry.high:
+        raise StoreError(f"{where}.low: {entry.low} is above {entry.high}, expected the lower end")
+    if isinstance(entry, Bound) and (entry.above is None) == (entry.below is None):
+        raise StoreError(f"{where}: above is {entry.above} and below is {entry.below}, expected exactly one of them")
+
+
+def check_unit(where: str, unit: str | None, known: str | None) -> None:
+    """Refuse a unit that is unknown, or has another dimension than `known`."""
+    if unit is None:
+        return
+    check_name(where, unit)
+    try:
+        unit_of(unit) if known is None else factor(unit, known)
+    except UnitError as error:
+        raise StoreError(f"{where}: {error}") from None
+
+
+def _check_probabilities(where: str, probabilities: Mapping[str, float]) -> None:
+    for label, probability in probabilities.items():
+        check_name(f"{where}.probabilities", label)
+        check_number(f"{where}.probabilities[{label!r}]", probability)
+        if probability < 0:
+            raise StoreError(f"{where}.probabilities[{label!r}]: found {probability}, expected zero or more")
+    total = math.fsum(probabilities.values())
+    if abs(total - 1) > SUM_TOLERANCE:
+        raise StoreError(f"{where}.probabilities: sum to {total:.7g}, expected 1")

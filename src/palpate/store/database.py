@@ -1,0 +1,124 @@
+"""Connections to a database, and bringing its tables up to date."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from sqlite3 import Connection as SqliteConnection
+from typing import Any
+
+from sqlalchemy import Connection, Engine, create_engine, event, inspect, text
+from sqlalchemy.engine import make_url
+from sqlalchemy.exc import ArgumentError, DatabaseError
+
+from palpate.store.errors import StoreError
+
+__all__ = ["LATEST", "connect", "migrate", "revision", "up_to_date", "writing"]
+
+LATEST = "0001"
+MIGRATIONS = Path(__file__).parent / "migrations"
+WAIT_S = 30
+PAGE_BYTES = 16384
+# 64 MiB of log before it is worked into the file
+CHECKPOINT_PAGES = 4096
+
+
+def connect(url: str, *, durable: bool = True) -> Engine:
+    """Make an engine.
+
+    Parameters
+    ----------
+    url
+        ``sqlite:///path`` or ``postgresql+psycopg://...``.
+    durable
+        Whether what was committed survives a loss of power; without, SQLite may lose the last commits then, and is
+        faster. A killed program loses nothing in either case.
+
+    Raises
+    ------
+    StoreError
+        If it is no address of a database.
+    """
+    try:
+        address = make_url(url)
+    except ArgumentError:
+        raise StoreError(
+            f"store {url!r}: is no address, expected a path, sqlite:///... or postgresql+psycopg://..."
+        ) from None
+    if address.get_backend_name() == "postgresql":
+        return create_engine(address, pool_pre_ping=True)
+    if address.get_backend_name() != "sqlite":
+        raise StoreError(f"store {url!r}: found {address.get_backend_name()!r}, expected SQLite or PostgreSQL")
+    engine = create_engine(address, connect_args={"timeout": WAIT_S})
+    synchronous = "FULL" if durable else "NORMAL"
+
+    @event.listens_for(engine, "connect")
+    def prepare(connection: SqliteConnection, record: Any) -> None:
+        # transactions are begun below, and not when sqlite3 thinks fit
+        connection.isolation_level = None
+        connection.execute(f"PRAGMA page_size = {PAGE_BYTES}")
+        connection.execute("PRAGMA journal_mode = WAL")
+        connection.execute(f"PRAGMA synchronous = {synchronous}")
+        connection.execute("PRAGMA foreign_keys = ON")
+        connection.execute("PRAGMA cache_size = -65536")
+        connection.execute(f"PRAGMA wal_autocheckpoint = {CHECKPOINT_PAGES}")
+
+    @event.listens_for(engine, "begin")
+    def begin(connection: Connection) -> None:
+        # a reader that turns writer later may find that another was faster: writers say so at once
+        writes = connection.get_execution_options().get("palpate_writes", False)
+        connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+
+    return engine
+
+
+def writing(engine: Engine) -> Engine:
+    """The same engine for transactions that write."""
+    return engine.execution_options(palpate_writes=True)
+
+
+def revision(connection: Connection) -> str | None:
+    """Which migration the tables are at; None where there are none."""
+    if not inspect(connection).has_table("alembic_version"):
+        return None
+    found: str | None = connection.execute(text("SELECT version_num FROM alembic_version")).scalar()
+    return found
+
+
+def up_to_date(engine: Engine) -> None:
+    """Make the tables, or change those of an older version.
+
+    Raises
+    ------
+    StoreError
+        If the database cannot be reached, or a newer version of the package made it.
+    """
+    try:
+        with engine.connect() as connection:
+            if revision(connection) == LATEST:
+                return
+        migrate(engine, "head")
+    except DatabaseError as error:
+        raise StoreError(f"store {engine.url!r}: {error.orig}; expected a database that can be written") from None
+
+
+def migrate(engine: Engine, target: str) -> None:
+    """Bring the tables to a revision, up or down (``"base"``: no tables)."""
+    from alembic import command
+    from alembic.config import Config
+    from alembic.script import ScriptDirectory
+
+    config = Config()
+    config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
+    config.set_main_option("path_separator", "os")
+    with writing(engine).begin() as connection:
+        config.attributes["connection"] = connection
+        found = revision(connection)
+        known = {script.revision for script in ScriptDirectory.from_config(config).walk_revisions()}
+        if found is not None and found not in known:
+            raise StoreError(
+                f"store {engine.url!r}: tables of version {found}, expected {LATEST} or older: update palpate"
+            )
+        if target == "base" or (found is not None and target < found and target != "head"):
+            command.downgrade(config, target)
+        else:
+            command.upgrade(config, target)

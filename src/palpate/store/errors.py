@@ -1,0 +1,15 @@
+"""Errors of the store."""
+
+from __future__ import annotations
+
+from palpate.errors import PalpateError
+
+__all__ = ["DamagedError", "StoreError"]
+
+
+class StoreError(PalpateError, ValueError):
+    """A recording that cannot be kept, or a store that cannot be used; the message names the field or the place."""
+
+
+class DamagedError(StoreError):
+    """Stored bytes that are missing or are not the ones that were written."""

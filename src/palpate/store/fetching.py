@@ -1,0 +1,107 @@
+"""Reading recordings in parts from the database and the blobs."""
+
+from __future__ import annotations
+
+import json
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy import ColumnElement, Connection, select
+
+from palpate.store import schema
+from palpate.store.arrays import unpack_bytes, unpack_series
+from palpate.store.blobs import Blobs
+from palpate.store.decoding import Stored, setup_from
+from palpate.store.records import Series
+from palpate.store.registry import thing_of
+
+__all__ = ["fetch", "from_row_or_blob", "id_chunks", "parsed_layout"]
+
+
+def fetch(connection: Connection, blobs: Blobs, condition: ColumnElement[bool]) -> list[Stored]:
+    """The recordings for which a condition on `schema.recordings` holds, in the order in which they came.
+
+    Raises
+    ------
+    DamagedError
+        If bytes are missing or cannot be read.
+    """
+    recordings, things, setups = schema.recordings, schema.things, schema.setups
+    asked = (
+        select(recordings, things, setups.c.document.label("setup"))
+        .join(things, recordings.c.thing_id == things.c.id)
+        .join(setups, recordings.c.setup_id == setups.c.id)
+        .where(condition)
+        .order_by(recordings.c.id)
+    )
+    rows = connection.execute(asked).mappings().all()
+    ids = [row[recordings.c.id] for row in rows]
+    series, files = _series(connection, blobs, ids), _files(connection, blobs, ids)
+    return [_stored(row, series[row[recordings.c.id]], files[row[recordings.c.id]], blobs) for row in rows]
+
+
+def id_chunks(connection: Connection, size: int) -> Iterator[list[int]]:
+    """Row numbers of all recordings, some at a time, in the order in which they came."""
+    column, last = schema.recordings.c.id, 0
+    while ids := list(connection.scalars(select(column).where(column > last).order_by(column).limit(size))):
+        yield ids
+        last = ids[-1]
+
+
+def _stored(row: Mapping[Any, Any], series: Sequence[Series], files: Sequence[bytes], blobs: Blobs) -> Stored:
+    columns = schema.recordings.c
+    log = from_row_or_blob(row[columns.log], row[columns.log_blob], blobs)
+    return Stored(
+        id=UUID(bytes=row[columns.uuid]),
+        digest=row[columns.digest].hex(),
+        visibility=row[columns.visibility],
+        document=row[columns.document],
+        log=unpack_bytes(log) if log else b"",
+        thing=thing_of({column.name: row[column] for column in schema.things.c}),
+        setup=setup_from(json.loads(row["setup"])),
+        series=tuple(series),
+        files=tuple(files),
+    )
+
+
+def _series(connection: Connection, blobs: Blobs, ids: Sequence[int]) -> Mapping[int, list[Series]]:
+    table, layouts = schema.series, schema.layouts
+    asked = (
+        select(table.c.recording_id, table.c.name, layouts.c.document, table.c.data, table.c.blob)
+        .join(layouts, table.c.layout_id == layouts.c.id)
+        .where(table.c.recording_id.in_(ids))
+        .order_by(table.c.recording_id, table.c.position)
+    )
+    found: dict[int, list[Series]] = defaultdict(list)
+    for row, name, layout, data, blob in connection.execute(asked):
+        packed = from_row_or_blob(data, blob, blobs)
+        found[row].append(unpack_series(name, parsed_layout(layout), packed or b""))
+    return found
+
+
+def _files(connection: Connection, blobs: Blobs, ids: Sequence[int]) -> Mapping[int, list[bytes]]:
+    table = schema.files.c
+    asked = (
+        select(table.recording_id, table.blob)
+        .where(table.recording_id.in_(ids))
+        .order_by(table.recording_id, table.position)
+    )
+    found: dict[int, list[bytes]] = defaultdict(list)
+    for row, blob in connection.execute(asked):
+        found[row].append(blobs.get(blob.hex()))
+    return found
+
+
+def from_row_or_blob(data: bytes | None, blob: bytes | None, blobs: Blobs) -> bytes | None:
+    """What was small enough for the row, or what the blobs hold in its place."""
+    return data if blob is None else blobs.get(blob.hex())
+
+
+@lru_cache(maxsize=1024)
+def parsed_layout(document: str) -> list[dict[str, Any]]:
+    """A layout of a series as `palpate.store.arrays.unpack_series` takes it."""
+    layout: list[dict[str, Any]] = json.loads(document)
+    return layout

@@ -1,0 +1,183 @@
+"""Which recordings are asked for, and how a list of them is sorted and paged."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from datetime import datetime
+
+from sqlalchemy import ColumnElement, Select, or_, select
+
+from palpate.errors import choices
+from palpate.store import schema
+from palpate.store.errors import StoreError
+from palpate.store.rows import microseconds
+
+__all__ = ["Cursor", "Filter", "Sort"]
+
+SORTS = ("recorded", "uploaded", "action")
+
+
+@dataclass(frozen=True)
+class Filter:
+    """Conditions that all hold; what is None is not asked.
+
+    Attributes
+    ----------
+    thing
+        Object: its name in its dataset, its common name or an alias; objects merged into it count.
+    dataset, action, owner
+        As recorded.
+    property
+        What a recording has an entry of.
+    labels
+        For categorical properties the most probable label, as ``{"material": "wood"}``.
+    device
+        Name of any device of the setup.
+    gripper
+        Name of the gripper.
+    setup
+        Digest of the setup.
+    since, until
+        When recorded, from the first to before the second.
+    ground_truth
+        Whether the results are known to be true.
+    text
+        A part of names, notices or owner, in any case.
+    """
+
+    thing: str | None = None
+    dataset: str | None = None
+    action: str | None = None
+    owner: str | None = None
+    property: str | None = None
+    labels: Mapping[str, str] = field(default_factory=dict)
+    device: str | None = None
+    gripper: str | None = None
+    setup: str | None = None
+    since: datetime | None = None
+    until: datetime | None = None
+    ground_truth: bool | None = None
+    text: str | None = None
+
+    def conditions(self) -> Iterator[ColumnElement[bool]]:
+        """All but property and labels, on `schema.recordings`."""
+        columns = schema.recordings.c
+        for name in ("action", "owner", "gripper", "ground_truth"):
+            if getattr(self, name) is not None:
+                yield columns[name] == getattr(self, name)
+        if self.thing is not None or self.dataset is not None:
+            yield columns.thing_id.in_(things_named(self.thing, self.dataset))
+        if self.device is not None:
+            yield columns.setup_id.in_(_setups_with(self.device))
+        if self.setup is not None:
+            yield columns.setup_id.in_(
+                select(schema.setups.c.id).where(schema.setups.c.digest == digest_bytes(self.setup))
+            )
+        if self.since is not None:
+            yield columns.recorded_us >= _moment("since", self.since)
+        if self.until is not None:
+            yield columns.recorded_us < _moment("until", self.until)
+        if self.text is not None:
+            yield columns.words.contains(self.text.casefold(), autoescape=True)
+
+    def entry_conditions(self) -> list[tuple[str, str | None]]:
+        """Properties, with the label where one is asked for."""
+        found: list[tuple[str, str | None]] = list(self.labels.items())
+        if self.property is not None and self.property not in self.labels:
+            found.append((self.property, None))
+        return found
+
+
+@dataclass(frozen=True)
+class Sort:
+    """By what a list is sorted: ``recorded`` (when), ``uploaded`` (when) or ``action``; the last first by default."""
+
+    by: str = "recorded"
+    descending: bool = True
+
+    def __post_init__(self) -> None:
+        if self.by not in SORTS:
+            raise StoreError(f"sort: found {self.by!r}; {choices(SORTS)}")
+
+    @property
+    def column(self) -> str:
+        """The column of `schema.recordings`."""
+        # rows are numbered as they come
+        return {"recorded": "recorded_us", "uploaded": "id"}.get(self.by, self.by)
+
+
+@dataclass(frozen=True)
+class Cursor:
+    """Where a page ends: the place of its last row in the sorting, and its row number, which makes it unique."""
+
+    sort: Sort
+    value: int | str
+    row: int
+
+    def __str__(self) -> str:
+        plain = json.dumps([self.sort.by, self.sort.descending, self.value, self.row])
+        return base64.urlsafe_b64encode(plain.encode()).decode().rstrip("=")
+
+    @classmethod
+    def parse(cls, text: str, sort: Sort) -> Cursor:
+        """Read what `str` gave for the same sorting.
+
+        Raises
+        ------
+        StoreError
+            If it is something else.
+        """
+        try:
+            plain = json.loads(base64.urlsafe_b64decode(text + "=" * (-len(text) % 4)))
+            by, descending, value, row = plain
+        except (ValueError, TypeError):
+            plain, by, descending, value, row = None, "", False, "", 0
+        kind = str if sort.by == "action" else int
+        if (by, descending) != (sort.by, sort.descending) or type(value) is not kind or type(row) is not int:
+            raise StoreError(
+                f"cursor: {text!r} is not of a list sorted like this, expected the cursor of its last page"
+            )
+        return cls(sort, value, row)
+
+
+def things_named(name: str | None, dataset: str | None) -> Select[tuple[int]]:
+    """Rows of objects by name and dataset, with those merged into them."""
+    things = schema.things
+    asked = select(things.c.id)
+    if dataset is not None:
+        asked = asked.where(things.c.dataset == dataset)
+    if name is not None:
+        alias = things.c.aliases.contains(json.dumps(name, ensure_ascii=False), autoescape=True)
+        asked = asked.where(or_(things.c.name == name, things.c.common_name == name, alias))
+    return select(things.c.id).where(or_(things.c.id.in_(asked), things.c.merged_into.in_(asked)))
+
+
+def digest_bytes(text: str) -> bytes:
+    """A digest as it stands in the tables.
+
+    Raises
+    ------
+    StoreError
+        If it is none.
+    """
+    try:
+        digest = bytes.fromhex(text)
+    except ValueError:
+        digest = b""
+    if len(digest) != 32:
+        raise StoreError(f"digest: found {text!r}, expected 64 hexadecimal digits")
+    return digest
+
+
+def _setups_with(device: str) -> Select[tuple[int]]:
+    links, devices = schema.setup_devices.c, schema.devices.c
+    return select(links.setup_id).join(schema.devices, links.device_id == devices.id).where(devices.name == device)
+
+
+def _moment(name: str, moment: datetime) -> int:
+    if moment.utcoffset() is None:
+        raise StoreError(f"{name}: {moment.isoformat()} has no time zone; expected one, such as UTC")
+    return microseconds(moment)

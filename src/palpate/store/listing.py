@@ -1,0 +1,180 @@
+"""Lists of recordings: filtered, sorted, in pages."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from typing import TYPE_CHECKING, Any
+from uuid import UUID
+
+from sqlalchemy import ColumnElement, Select, and_, exists, select, tuple_
+
+from palpate.store import schema
+from palpate.store.content import entry_plain, to_json
+from palpate.store.decoding import entry_from
+from palpate.store.entries import Entry
+from palpate.store.filters import Cursor, Filter, Sort
+from palpate.store.rows import EPOCH
+from palpate.store.store import Store
+
+if TYPE_CHECKING:
+    import pyarrow
+
+__all__ = ["Listed", "Page", "list_recordings", "to_arrow"]
+
+
+@dataclass(frozen=True)
+class Listed:
+    """A recording as it stands in a list."""
+
+    id: UUID
+    digest: str
+    recorded_at: datetime
+    uploaded_at: datetime
+    action: str
+    dataset: str
+    thing: str
+    common_name: str | None
+    gripper: str | None
+    owner: str | None
+    visibility: str
+    ground_truth: bool
+    entries: tuple[Entry, ...]
+    notices: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Page:
+    """Some rows of a list, and the cursor that the next page begins after; None where there is none."""
+
+    rows: tuple[Listed, ...]
+    cursor: str | None
+
+
+def list_recordings(
+    store: Store, wanted: Filter | None = None, sort: Sort | None = None, *, limit: int = 50, cursor: str | None = None
+) -> Page:
+    """List recordings, a page at a time: what is added meanwhile neither repeats nor hides a row.
+
+    Parameters
+    ----------
+    store
+        Where to look.
+    wanted, sort
+        Which recordings, and in which order; all, the last recorded first, unless given.
+    limit
+        Rows of a page.
+    cursor
+        That of the page before.
+
+    Raises
+    ------
+    StoreError
+        If the cursor is not of a list sorted like this.
+    """
+    sort = sort or Sort()
+    after = None if cursor is None else Cursor.parse(cursor, sort)
+    asked = _rows_asked(matching(wanted or Filter(), sort, after, limit), sort)
+    with store.engine.connect() as connection:
+        rows = connection.execute(asked).mappings().all()
+    end = Cursor(sort, rows[-1][sort.column], rows[-1]["id"]) if len(rows) == limit and rows else None
+    return Page(tuple(_listed(row) for row in rows), None if end is None else str(end))
+
+
+def matching(wanted: Filter, sort: Sort, after: Cursor | None, limit: int | None) -> Select[*tuple[Any, ...]]:
+    """Row numbers of the recordings that match, in order.
+
+    Where entries are asked for and the sorting allows, an index over entries gives the rows in order, so that neither
+    a common nor a rare property makes the database read more than a page.
+    """
+    entries = wanted.entry_conditions()
+    if entries and sort.by == "recorded":
+        asked = _from_entries(wanted, entries, sort, after)
+    else:
+        columns = schema.recordings.c
+        asked = select(columns.id, columns[sort.column])
+        asked = asked.where(*wanted.conditions(), *(_has_entry(columns.id, *entry) for entry in entries))
+        asked = _ordered(asked, columns[sort.column], columns.id, sort, after)
+    return asked if limit is None else asked.limit(limit)
+
+
+def _from_entries(
+    wanted: Filter, entries: list[tuple[str, str | None]], sort: Sort, after: Cursor | None
+) -> Select[*tuple[Any, ...]]:
+    columns = schema.entries.c
+    (name, label), *others = entries
+    asked = select(columns.recording_id.label("id"), columns.recorded_us).where(columns.property == name).distinct()
+    if label is not None:
+        asked = asked.where(columns.label == label)
+    if wanted.gripper is not None:
+        asked = asked.where(columns.gripper == wanted.gripper)
+    asked = asked.where(*(_has_entry(columns.recording_id, *other) for other in others))
+    conditions = list(wanted.conditions())
+    # the index over entries knows the gripper already
+    if len(conditions) > (wanted.gripper is not None):
+        asked = asked.join(schema.recordings, schema.recordings.c.id == columns.recording_id).where(*conditions)
+    return _ordered(asked, columns.recorded_us, columns.recording_id, sort, after)
+
+
+def _ordered(
+    asked: Select[*tuple[Any, ...]],
+    value: ColumnElement[Any],
+    row: ColumnElement[int],
+    sort: Sort,
+    after: Cursor | None,
+) -> Select[*tuple[Any, ...]]:
+    if after is not None:
+        place, end = tuple_(value, row), tuple_(after.value, after.row)
+        asked = asked.where(place < end if sort.descending else place > end)
+    return asked.order_by(value.desc(), row.desc()) if sort.descending else asked.order_by(value, row)
+
+
+def _has_entry(recording: ColumnElement[int], name: str, label: str | None) -> ColumnElement[bool]:
+    other = schema.entries.alias()
+    condition = and_(other.c.recording_id == recording, other.c.property == name)
+    return exists().where(condition if label is None else and_(condition, other.c.label == label))
+
+
+def _rows_asked(matched: Select[*tuple[Any, ...]], sort: Sort) -> Select[*tuple[Any, ...]]:
+    page, recordings, things = matched.subquery(), schema.recordings, schema.things
+    names = ("id", "uuid", "digest", "recorded_us", "uploaded_us", "action", "gripper", "owner", "visibility")
+    columns = [recordings.c[name] for name in (*names, "ground_truth", "document")]
+    thing = [things.c.dataset, things.c.name, things.c.common_name]
+    asked = (
+        select(*columns, *thing)
+        .join(page, page.c.id == recordings.c.id)
+        .join(things, things.c.id == recordings.c.thing_id)
+    )
+    return _ordered(asked, recordings.c[sort.column], recordings.c.id, sort, None)
+
+
+def _listed(row: Mapping[Any, Any]) -> Listed:
+    plain = json.loads(row["document"])
+    same = ("action", "dataset", "common_name", "gripper", "owner", "visibility", "ground_truth")
+    return Listed(
+        id=UUID(bytes=row["uuid"]),
+        digest=row["digest"].hex(),
+        recorded_at=EPOCH + timedelta(microseconds=row["recorded_us"]),
+        uploaded_at=EPOCH + timedelta(microseconds=row["uploaded_us"]),
+        thing=row["name"],
+        entries=tuple(entry_from(entry) for entry in plain["entries"]),
+        notices=tuple(plain["notices"]),
+        **{name: row[name] for name in same},
+    )
+
+
+def to_arrow(page: Page) -> pyarrow.Table:
+    """The rows as an Arrow table, one row for each recording, entries as JSON; pandas and Polars read it as it is.
+
+    ``to_arrow(page).to_pandas()`` and ``polars.from_arrow(to_arrow(page))`` give data frames.
+    """
+    import pyarrow
+
+    return pyarrow.Table.from_pylist([_flat(row) for row in page.rows])
+
+
+def _flat(row: Listed) -> dict[str, Any]:
+    plain = {**vars(row), "id": str(row.id), "notices": list(row.notices)}
+    return {**plain, "entries": [to_json(entry_plain(entry)) for entry in row.entries]}

@@ -1,0 +1,84 @@
+"""Opening a store: where it is unless told otherwise, and made on first use."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from palpate.store.blobs import Blobs, FolderBlobs
+from palpate.store.database import connect, up_to_date
+from palpate.store.errors import StoreError
+from palpate.store.store import Store
+
+__all__ = ["open_store"]
+
+
+def open_store(place: str | Path | None = None, blobs: str | Path | None = None, *, durable: bool = True) -> Store:
+    """Open a store, and make it where there is none.
+
+    Parameters
+    ----------
+    place
+        Path of an SQLite file, or ``postgresql+psycopg://...``; from the environment variable ``PALPATE_STORE``
+        unless given, else a file in the user's data folder.
+    blobs
+        Folder for large bytes, or ``s3://bucket/prefix``; from ``PALPATE_BLOBS`` unless given, else a folder beside
+        the SQLite file.
+    durable
+        See `palpate.store.database.connect`.
+
+    Raises
+    ------
+    StoreError
+        If it cannot be opened.
+
+    Examples
+    --------
+    >>> with open_store("measurements.sqlite") as store:
+    ...     type(store.blobs).__name__
+    'FolderBlobs'
+    """
+    place = place or os.environ.get("PALPATE_STORE") or default_path()
+    url = str(place)
+    path = None if "://" in url else Path(url).absolute()
+    if path is None and url.startswith("sqlite:///"):
+        path = Path(url.removeprefix("sqlite:///")).absolute()
+    if path is not None:
+        _make_folder(path.parent)
+        url = f"sqlite:///{path}"
+    kept = _blobs(blobs or os.environ.get("PALPATE_BLOBS"), path)
+    engine = connect(url, durable=durable)
+    try:
+        up_to_date(engine)
+    except BaseException:
+        engine.dispose()
+        raise
+    return Store(engine, kept)
+
+
+def default_path() -> Path:
+    """The store in the user's data folder."""
+    from platformdirs import user_data_path
+
+    return user_data_path("palpate", appauthor=False) / "store.sqlite"
+
+
+def _blobs(place: str | Path | None, database: Path | None) -> Blobs:
+    if place is not None and "://" in str(place):
+        from palpate.store.bucket import BucketBlobs
+
+        return BucketBlobs(str(place))
+    if place is not None:
+        return FolderBlobs(Path(place).absolute())
+    if database is None:
+        raise StoreError("PALPATE_BLOBS: is not set, expected a folder or s3://... for a store that is no SQLite file")
+    return FolderBlobs(database.with_name(database.name + "-blobs"))
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StoreError(
+            f"store: the folder {folder} cannot be made ({error.strerror}), expected one that can"
+        ) from None

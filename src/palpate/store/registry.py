@@ -1,0 +1,182 @@
+"""What many recordings share and is kept once: objects, setups with their devices, layouts, units of properties."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Mapping
+from hashlib import sha256
+from typing import Any
+
+from sqlalchemy import Connection, Table, insert, select, update
+
+from palpate.store import schema
+from palpate.store.checks import check_unit
+from palpate.store.content import device_plain, setup_plain, thing_plain, to_json
+from palpate.store.entries import Bound, Interval, Value
+from palpate.store.records import Device, Recording, Setup, ThingRef
+
+__all__ = ["Registry", "now_us"]
+
+
+def now_us() -> int:
+    """The present in microseconds since 1970."""
+    return time.time_ns() // 1000
+
+
+class Registry:
+    """Row numbers of what recordings share, looked up or made by a `Lookup`.
+
+    What was found is remembered: these rows are never removed. As a transaction may still fail, only
+    `Lookup.keep` fills it.
+    """
+
+    def __init__(self) -> None:
+        self.remembered: dict[tuple[str, str], int] = {}
+        self.admitted: set[tuple[str, str]] = set()
+
+
+class Lookup:
+    """Look-ups in one transaction; `keep` remembers them once it is committed."""
+
+    def __init__(self, connection: Connection, registry: Registry) -> None:
+        self.connection = connection
+        self.registry = registry
+        self.found: dict[tuple[str, str], int] = {}
+        self.admitted: set[tuple[str, str]] = set()
+
+    def keep(self) -> None:
+        """Remember what was found."""
+        self.registry.remembered.update(self.found)
+        self.registry.admitted.update(self.admitted)
+
+    def layout(self, layout: str) -> int:
+        """The row of a layout of series."""
+        return self._row("layout", layout, lambda: self._by_digest(schema.layouts, layout, {}))
+
+    def setup(self, setup: Setup) -> int:
+        """The row of a setup."""
+        return self._row("setup", setup.digest, lambda: self._make_setup(setup))
+
+    def thing(self, thing: ThingRef) -> int:
+        """The row of an object; a description that says more than the one there completes it."""
+        return self._row("thing", to_json(thing_plain(thing)), lambda: self._make_thing(thing))
+
+    def admit_units(self, recording: Recording) -> None:
+        """Refuse units of another dimension than a property was first given in; remember those of new properties.
+
+        Raises
+        ------
+        StoreError
+            Naming the entry.
+        """
+        for place, entry in enumerate(recording.entries):
+            if not isinstance(entry, Value | Interval | Bound) or entry.unit is None:
+                continue
+            if (entry.property, entry.unit) in self.registry.admitted | self.admitted:
+                continue
+            known = self._unit(entry.property)
+            check_unit(f"entries[{place}].unit", entry.unit, known)
+            if known is None:
+                self.connection.execute(insert(schema.properties), {"name": entry.property, "unit": entry.unit})
+            self.admitted.add((entry.property, entry.unit))
+
+    def _unit(self, name: str) -> str | None:
+        table = schema.properties.c
+        return self.connection.execute(select(table.unit).where(table.name == name)).scalar()
+
+    def _row(self, kind: str, key: str, make: Callable[[], int]) -> int:
+        known = self.registry.remembered.get((kind, key)) or self.found.get((kind, key))
+        if known is None:
+            known = self.found[kind, key] = make()
+        return known
+
+    def _by_digest(self, table: Table, text: str, columns: Mapping[str, Any]) -> int:
+        digest = sha256(text.encode()).digest()
+        found = self.connection.execute(select(table.c.id).where(table.c.digest == digest)).scalar()
+        return found or self._insert(table, {"digest": digest, "document": text, **columns})
+
+    def _insert(self, table: Table, row: Mapping[str, Any]) -> int:
+        made: int = self.connection.execute(insert(table).values(**row).returning(table.c.id)).scalar_one()
+        return made
+
+    def _make_setup(self, setup: Setup) -> int:
+        table = schema.setups
+        there = select(table.c.id).where(table.c.digest == bytes.fromhex(setup.digest))
+        found: int | None = self.connection.execute(there).scalar()
+        if found is not None:
+            return found
+        gripper = None if setup.gripper is None else setup.gripper.name
+        made = self._by_digest(table, to_json(setup_plain(setup)), {"gripper": gripper})
+        rows = [{"setup_id": made, "device_id": row} for row in sorted({self._device(one) for one in setup.devices})]
+        if rows:
+            self.connection.execute(insert(schema.setup_devices), rows)
+        return made
+
+    def _device(self, device: Device) -> int:
+        named = ("kind", "name", "maker", "calibrated_on")
+        columns = {name: getattr(device, name) for name in named}
+        return self._by_digest(schema.devices, to_json(device_plain(device)), columns)
+
+    def _make_thing(self, thing: ThingRef) -> int:
+        table = schema.things
+        there = select(table).where(table.c.dataset == thing.dataset, table.c.name == thing.id)
+        found = self.connection.execute(there).mappings().first()
+        if found is None:
+            return self._insert(table, {"dataset": thing.dataset, "name": thing.id, **_thing_row(thing)})
+        known = thing_of(found)
+        joined = joined_things(known, thing)
+        if joined != known:
+            self.connection.execute(update(table).where(table.c.id == found["id"]).values(**_thing_row(joined)))
+        contradicted = contradictions(known, thing)
+        if contradicted:
+            row = {"at_us": now_us(), "what": "described otherwise", "thing_id": found["id"]}
+            self.connection.execute(insert(schema.audit).values(**row, detail=to_json(contradicted)))
+        return int(found["id"])
+
+
+def thing_of(row: Mapping[Any, Any]) -> ThingRef:
+    """An object from its row."""
+    return ThingRef(
+        row["dataset"],
+        row["name"],
+        row["maker"],
+        row["common_name"],
+        json.loads(row["attributes"]),
+        tuple(json.loads(row["aliases"])),
+    )
+
+
+def joined_things(known: ThingRef, other: ThingRef) -> ThingRef:
+    """What is known of an object, completed by what else is said: what was known first stays."""
+    names = [*known.aliases, *other.aliases]
+    if known.common_name and other.common_name and other.common_name != known.common_name:
+        names.append(other.common_name)
+    return ThingRef(
+        known.dataset,
+        known.id,
+        known.maker or other.maker,
+        known.common_name or other.common_name,
+        {**other.attributes, **known.attributes},
+        tuple(dict.fromkeys(names)),
+    )
+
+
+def contradictions(known: ThingRef, other: ThingRef) -> dict[str, Any]:
+    """What another description says otherwise."""
+    found: dict[str, Any] = {}
+    if known.maker and other.maker and known.maker != other.maker:
+        found["maker"] = other.maker
+    for key, value in other.attributes.items():
+        if key in known.attributes and to_json(known.attributes[key]) != to_json(value):
+            found[f"attributes.{key}"] = value
+    return found
+
+
+def _thing_row(thing: ThingRef) -> dict[str, Any]:
+    return {
+        "maker": thing.maker,
+        "common_name": thing.common_name,
+        "attributes": to_json(thing.attributes),
+        "aliases": to_json(list(thing.aliases)),
+    }

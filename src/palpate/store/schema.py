@@ -1,0 +1,253 @@
+"""The tables of a store.
+
+A recording's ``document`` is what was hashed, and is what is read back; the columns beside it, and the rows of
+``entries``, repeat parts of it for queries. Times are whole microseconds since 1970 (UTC), digests 32 bytes, JSON is
+text.
+"""
+
+from __future__ import annotations
+
+from sqlalchemy import (
+    BigInteger,
+    Boolean,
+    Column,
+    Float,
+    ForeignKey,
+    Index,
+    Integer,
+    LargeBinary,
+    MetaData,
+    String,
+    Table,
+    Text,
+    UniqueConstraint,
+    text,
+)
+
+__all__ = [
+    "audit",
+    "devices",
+    "entries",
+    "episode_steps",
+    "episodes",
+    "files",
+    "layouts",
+    "metadata",
+    "properties",
+    "recordings",
+    "series",
+    "setup_devices",
+    "setups",
+    "thing_images",
+    "thing_properties",
+    "things",
+    "tokens",
+    "users",
+]
+
+# names of constraints, so that a migration can name what it drops
+metadata = MetaData(
+    naming_convention={
+        "ix": "ix_%(column_0_N_label)s",
+        "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+        "fk": "fk_%(table_name)s_%(column_0_N_name)s_%(referred_table_name)s",
+        "pk": "pk_%(table_name)s",
+    }
+)
+# only a plain INTEGER is SQLite's own row number
+Id = BigInteger().with_variant(Integer, "sqlite")
+
+
+def _where(condition: str, *columns: str) -> Index:
+    """An index over some of the rows only: each index that a row is not in is a page less to write."""
+    return Index(None, *columns, sqlite_where=text(condition), postgresql_where=text(condition))
+
+
+things = Table(
+    "things",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("dataset", String, nullable=False),
+    Column("name", String, nullable=False),
+    Column("maker", String),
+    Column("common_name", String),
+    Column("attributes", Text, nullable=False),
+    Column("aliases", Text, nullable=False),
+    Column("merged_into", Id, ForeignKey("things.id"), index=True),
+    UniqueConstraint("dataset", "name"),
+)
+thing_properties = Table(
+    "thing_properties",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("thing_id", Id, ForeignKey("things.id"), nullable=False, index=True),
+    Column("property", String, nullable=False),
+    Column("document", Text, nullable=False),
+    Column("source", Text),
+)
+thing_images = Table(
+    "thing_images",
+    metadata,
+    Column("thing_id", Id, ForeignKey("things.id"), primary_key=True),
+    Column("name", String, primary_key=True),
+    Column("media_type", String, nullable=False),
+    Column("blob", LargeBinary(32), nullable=False),
+)
+properties = Table(
+    "properties",
+    metadata,
+    Column("name", String, primary_key=True),
+    Column("unit", String, nullable=False),
+)
+devices = Table(
+    "devices",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("digest", LargeBinary(32), nullable=False, unique=True),
+    Column("kind", String, nullable=False),
+    Column("name", String, nullable=False, index=True),
+    Column("maker", String),
+    Column("calibrated_on", String),
+    Column("document", Text, nullable=False),
+)
+setups = Table(
+    "setups",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("digest", LargeBinary(32), nullable=False, unique=True),
+    Column("gripper", String),
+    Column("document", Text, nullable=False),
+)
+setup_devices = Table(
+    "setup_devices",
+    metadata,
+    Column("setup_id", Id, ForeignKey("setups.id"), primary_key=True),
+    Column("device_id", Id, ForeignKey("devices.id"), primary_key=True, index=True),
+)
+layouts = Table(
+    "layouts",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("digest", LargeBinary(32), nullable=False, unique=True),
+    Column("document", Text, nullable=False),
+)
+recordings = Table(
+    "recordings",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("uuid", LargeBinary(16), nullable=False, unique=True),
+    Column("digest", LargeBinary(32), nullable=False, unique=True),
+    Column("recorded_us", BigInteger, nullable=False),
+    Column("uploaded_us", BigInteger, nullable=False),
+    Column("action", String, nullable=False),
+    Column("thing_id", Id, ForeignKey("things.id"), nullable=False),
+    Column("setup_id", Id, ForeignKey("setups.id"), nullable=False),
+    Column("gripper", String),
+    Column("owner", String),
+    Column("visibility", String, nullable=False),
+    Column("ground_truth", Boolean, nullable=False),
+    Column("words", Text, nullable=False),
+    Column("document", Text, nullable=False),
+    Column("log", LargeBinary),
+    Column("log_blob", LargeBinary(32)),
+    Index(None, "recorded_us", "id"),
+    Index(None, "thing_id", "recorded_us", "id"),
+    Index(None, "setup_id", "recorded_us", "id"),
+    Index(None, "gripper", "recorded_us", "id"),
+    _where("owner IS NOT NULL", "owner", "recorded_us", "id"),
+)
+series = Table(
+    "series",
+    metadata,
+    Column("recording_id", Id, ForeignKey("recordings.id"), primary_key=True),
+    Column("position", Integer, primary_key=True),
+    Column("name", String, nullable=False),
+    Column("layout_id", Id, ForeignKey("layouts.id"), nullable=False),
+    Column("data", LargeBinary),
+    Column("blob", LargeBinary(32)),
+    sqlite_with_rowid=False,
+)
+files = Table(
+    "files",
+    metadata,
+    Column("recording_id", Id, ForeignKey("recordings.id"), primary_key=True),
+    Column("position", Integer, primary_key=True),
+    Column("name", String, nullable=False),
+    Column("media_type", String, nullable=False),
+    Column("blob", LargeBinary(32), nullable=False),
+)
+entries = Table(
+    "entries",
+    metadata,
+    Column("recording_id", Id, ForeignKey("recordings.id"), primary_key=True),
+    Column("position", Integer, primary_key=True),
+    Column("kind", String, nullable=False),
+    Column("property", String),
+    Column("value", Float),
+    Column("sd", Float),
+    Column("low", Float),
+    Column("high", Float),
+    Column("unit", String),
+    Column("value_si", Float),
+    Column("sd_si", Float),
+    Column("label", String),
+    Column("thing_id", Id, ForeignKey("things.id"), nullable=False),
+    Column("setup_id", Id, ForeignKey("setups.id"), nullable=False),
+    Column("gripper", String),
+    Column("recorded_us", BigInteger, nullable=False),
+    Index(None, "property", "recorded_us", "recording_id"),
+    Index(None, "property", "gripper", "recorded_us", "recording_id"),
+    _where("label IS NOT NULL", "property", "label", "recorded_us", "recording_id"),
+    _where("value_si IS NOT NULL", "property", "thing_id", "setup_id", "value_si"),
+    sqlite_with_rowid=False,
+)
+episodes = Table(
+    "episodes",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("uuid", LargeBinary(16), nullable=False, unique=True),
+    Column("digest", LargeBinary(32), nullable=False, unique=True),
+    Column("started_us", BigInteger, nullable=False, index=True),
+    Column("thing_id", Id, ForeignKey("things.id"), nullable=False, index=True),
+    Column("document", Text, nullable=False),
+)
+episode_steps = Table(
+    "episode_steps",
+    metadata,
+    Column("episode_id", Id, ForeignKey("episodes.id"), primary_key=True),
+    Column("position", Integer, primary_key=True),
+    Column("recording_id", Id, ForeignKey("recordings.id"), index=True),
+    Column("document", Text, nullable=False),
+)
+audit = Table(
+    "audit",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("at_us", BigInteger, nullable=False),
+    Column("who", String),
+    Column("what", String, nullable=False),
+    Column("thing_id", Id, ForeignKey("things.id"), index=True),
+    Column("detail", Text, nullable=False),
+    Column("undone_us", BigInteger),
+)
+users = Table(
+    "users",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("name", String, nullable=False, unique=True),
+    Column("email", String),
+    Column("password_hash", String),
+    Column("role", String, nullable=False),
+    Column("created_us", BigInteger, nullable=False),
+)
+tokens = Table(
+    "tokens",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("user_id", Id, ForeignKey("users.id"), nullable=False, index=True),
+    Column("digest", LargeBinary(32), nullable=False, unique=True),
+    Column("role", String, nullable=False),
+    Column("created_us", BigInteger, nullable=False),
+    Column("expires_us", BigInteger),
+    Column("revoked_us", BigInteger),
+)

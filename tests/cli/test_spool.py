@@ -1,0 +1,70 @@
+from pathlib import Path
+
+import pytest
+
+from palpate.recording.spool import Spool
+from palpate.store.opening import open_store
+from tests.cli.conftest import Run
+from tests.store.importing.invented import squeeze
+
+
+@pytest.fixture
+def spool(tmp_path: Path) -> Spool:
+    return Spool(tmp_path / "spool", sync=False)
+
+
+def leave_remainder(spool: Spool) -> None:
+    spool.abandon(spool.begin(squeeze(series=(), files=(), log="", entries=())))
+
+
+def test_list_shows_each_recording(run: Run, spool: Spool) -> None:
+    """What waits, what was refused and what was cut off is listed, with what is known of it."""
+    spool.add(squeeze())
+    refused = spool.add(squeeze())
+    with spool.claimed(refused):
+        spool.refuse(refused, "no such owner")
+    leave_remainder(spool)
+    ran = run("spool", "list", "--spool", spool.folder)
+    assert ran.code == 0
+    assert "1 waiting, 1 refused, 1 not whole" in ran.out
+    assert "squeezing of mug: elasticity" in ran.out
+    assert "no such owner" in ran.out
+    assert "was cut off: palpate spool recover" in ran.out
+
+
+def test_recover_then_upload(run: Run, spool: Spool, tmp_path: Path) -> None:
+    """What was cut off is recovered, sent, and then in the store and no longer in the spool."""
+    spool.add(squeeze())
+    leave_remainder(spool)
+    ran = run("spool", "recover", "--spool", spool.folder)
+    assert "1 recovered" in ran.out
+    assert "failed, the recording was cut off before its end" in ran.out
+    digests = [spool.read(name).digest for name in spool.waiting()]
+    assert run("spool", "upload", "--spool", spool.folder, "--to", tmp_path / "store.sqlite").code == 0
+    assert spool.waiting() == []
+    with open_store(tmp_path / "store.sqlite") as store:
+        assert [store.get(digest).digest for digest in digests] == digests
+
+
+def test_refused_ones_are_sent_again_when_asked(run: Run, spool: Spool, tmp_path: Path) -> None:
+    """--refused queues them again."""
+    name = spool.add(squeeze())
+    with spool.claimed(name):
+        spool.refuse(name, "no such owner")
+    ran = run("spool", "upload", "--refused", "--spool", spool.folder, "--to", tmp_path / "store.sqlite")
+    assert "sent" in ran.out
+    assert "0 waiting, 0 refused" in ran.out
+
+
+def test_a_server_that_is_away_is_one_sentence(run: Run, spool: Spool) -> None:
+    """Nobody at the address is an error, exit code 2, and everything waits on."""
+    spool.add(squeeze())
+    ran = run("spool", "upload", "--spool", spool.folder, "--to", "http://127.0.0.1:9", "--attempts", 1)
+    assert "no answer" in ran.refused
+    assert len(spool.waiting()) == 1
+
+
+def test_an_empty_spool_is_no_error(run: Run, tmp_path: Path) -> None:
+    """A spool that is not there yet is empty."""
+    assert "0 waiting" in run("spool", "list", "--spool", tmp_path / "none").out
+    assert "0 recovered" in run("spool", "recover", "--spool", tmp_path / "none").out

@@ -1,0 +1,119 @@
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+
+from palpate.cli import store as command
+from palpate.cli.store_view import entry_words
+from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
+from palpate.store.opening import open_store
+from tests.store.made_up import squeeze
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A store with four recordings, which the commands find by the environment."""
+    path = tmp_path / "store.sqlite"
+    monkeypatch.setenv("PALPATE_STORE", str(path))
+    monkeypatch.delenv("PALPATE_BLOBS", raising=False)
+    with open_store(path) as store:
+        store.put_many([squeeze(number, notices=("it was odd",) if number == 1 else ()) for number in range(4)])
+    return path
+
+
+def test_show_tells_what_is_there(run: Any, place: Path) -> None:
+    """The overview names objects, setups, results and what was odd."""
+    shown = run("store", "show")
+    assert shown.code == 0
+    told = " ".join(shown.out.split())
+    for text in (
+        "4 recordings of 3 objects",
+        "object2",
+        "gripper two_finger",
+        "squeezing elasticity",
+        "41.0 ±",
+        "it was odd",
+    ):
+        assert text in told
+
+
+def test_show_of_an_empty_store(run: Any, tmp_path: Path) -> None:
+    """An empty store is made on first use and says so."""
+    assert "0 recordings of 0 objects" in run("store", "show", "--store", tmp_path / "new.sqlite").out
+
+
+def test_show_of_one_recording(run: Any, place: Path) -> None:
+    """One recording is shown as JSON, found by its id or its digest; another key is refused."""
+    recording = json.loads(run("store", "list", "--json", "--limit", 1).out)["recordings"][0]
+    for key in (recording["id"], recording["digest"]):
+        assert json.loads(run("store", "show", key).out)["digest"] == recording["digest"]
+    assert "is no digest" in run("store", "show", "mug").refused
+    assert "is not in the store" in run("store", "show", "00" * 32).refused
+
+
+def test_list_filters_and_pages(run: Any, place: Path) -> None:
+    """Options filter, and the cursor that is printed gives the next page."""
+    first = json.loads(run("store", "list", "--limit", 3, "--json").out)
+    second = json.loads(run("store", "list", "--limit", 3, "--cursor", first["cursor"], "--json").out)
+    assert len({row["id"] for row in (*first["recordings"], *second["recordings"])}) == 4
+    assert "more: --cursor" in run("store", "list", "--limit", 3).out
+    assert len(json.loads(run("store", "list", "--object", "object0", "--json").out)["recordings"]) == 2
+    assert not json.loads(run("store", "list", "--until", "2020-01-01", "--json").out)["recordings"]
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "message"),
+    [
+        ("--since", "soon", "--since: 'soon' was found, expected a date or time"),
+        ("--label", "wood", "--label: 'wood' was found, expected PROPERTY=LABEL"),
+        ("--sort", "size", "sort: found 'size'"),
+        ("--cursor", "mug", "cursor: 'mug'"),
+        ("--setup", "mug", "digest: found 'mug'"),
+    ],
+)
+def test_bad_options_are_refused(run: Any, place: Path, option: str, value: str, message: str) -> None:
+    """A bad option is one sentence on standard error, and exit code 2."""
+    assert message in run("store", "list", option, value).refused
+
+
+def test_verify_and_repair_tell_faults(run: Any, place: Path) -> None:
+    """A whole store verifies with code 0; a fault is told with code 1, and what could be mended is gone afterwards."""
+    assert run("store", "verify").out == "all is as it was written\n"
+    with open_store(place) as store, store.engine.begin() as connection:
+        connection.exec_driver_sql("DELETE FROM entries WHERE recording_id = 2")
+    found = run("store", "verify")
+    assert (found.code, "rows for queries" in found.out) == (1, True)
+    assert run("store", "repair").code == 0
+    assert run("store", "verify").code == 0
+
+
+def test_an_archive_goes_to_another_store(run: Any, place: Path, tmp_path: Path) -> None:
+    """What was exported is imported elsewhere, once; an existing folder is not written to."""
+    archive, other = tmp_path / "archive", tmp_path / "other.sqlite"
+    assert run("store", "export", archive).out == f"{archive}: 4 recordings\n"
+    assert "4 new, 0 there already, 0 refused" in run("store", "import", archive, "--store", other).out
+    assert "0 new, 4 there already, 0 refused" in run("store", "import", archive, "--store", other).out
+    assert "exists already" in run("store", "export", archive).refused
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        (Value("mass", 1.0), "mass 1.00 (unit not stated)"),
+        (Interval("mass", 1.0, 2.0, "g"), "mass 1.00 to 2.00 g"),
+        (Bound("mass", below=2.0, unit="g"), "mass below 2.00 g"),
+        (Distribution("kind", {"a": 0.5, "b": 0.3, "c": 0.2}), "kind a 0.50, b 0.30, ..."),
+        (FailedEntry("slipped"), "all failed: slipped"),
+    ],
+)
+def test_entries_in_words(entry: Entry, words: str) -> None:
+    """Each kind of result reads well."""
+    assert entry_words(entry) == words
+
+
+def test_every_command_is_there() -> None:
+    """The group has the six commands."""
+    names = set(getattr(typer.main.get_command(command.app), "commands", {}))
+    assert names == {"show", "list", "verify", "repair", "export", "import"}

@@ -1,0 +1,199 @@
+import json
+import math
+from contextlib import suppress
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from palpate.errors import LogError
+from palpate.store.checks import check
+from palpate.store.entries import Distribution, FailedEntry, Value
+from palpate.store.errors import StoreError
+from palpate.store.importing.uploads import import_uploads, read_upload
+from palpate.store.records import Recording
+
+POSE = {"rotation": [1.0, 2.0, 3.0], "translation": [0.1, 0.2, 0.3]}
+GRIP = {"hand": {"position": [1.0, 2.0], "time": [0.0, 1.0]}}
+ODD_NAME = "upload_dict_2001_02_03_04_05_06_{}.json"
+
+
+def number(name: str, **values: Any) -> dict[str, Any]:
+    return {"name": name, "type": "continuous", "values": [values], "repository": None}
+
+
+def labels(name: str, **probabilities: float) -> dict[str, Any]:
+    values = [{"name": label, "probability": p} for label, p in probabilities.items()]
+    return {"name": name, "type": "categorical", "values": values, "repository": "https://example.org/eyes"}
+
+
+def upload(folder: Path, name: str, entry: Any, outputs: Any, **measurement: Any) -> Path:
+    """Write an invented upload dictionary."""
+    given = {
+        "object_instance": {"common_name": "teapot", "dataset": "pots", "dataset_id": "07"},
+        "setup": {"arm": "tentacle", "camera": "eye", "algorithm": "https://example.org/wave"},
+        "sensor_outputs": outputs,
+        "grasp": None,
+        "object_pose": POSE,
+        "gripper_pose": {**POSE, "grasped": False},
+    }
+    path = folder / ODD_NAME.format(name)
+    path.write_text(json.dumps({"measurement": {**given, **measurement}, "entry": entry}))
+    return path
+
+
+class Kept:
+    """A store that knows digests only."""
+
+    def __init__(self) -> None:
+        self.recordings: dict[str, Recording] = {}
+
+    def put(self, recording: Recording) -> Any:
+        new = recording.digest not in self.recordings
+        self.recordings[recording.digest] = recording
+        return type("Receipt", (), {"new": new, "digest": recording.digest})
+
+
+def test_a_squeeze_is_read(tmp_path: Path) -> None:
+    """Object, devices, poses, series and result are where they belong, and what was assumed is told."""
+    found = read_upload(upload(tmp_path, "elasticity_0", number("elasticity", mean=42.0, std=4.5, units=None), GRIP))
+    assert found.action == "squeezing"
+    assert (found.thing.dataset, found.thing.id, found.thing.common_name) == ("pots", "07", "teapot")
+    assert [(device.kind, device.name) for device in found.setup.devices] == [
+        ("arm", "tentacle"),
+        ("camera", "eye"),
+        ("other", "https://example.org/wave"),
+    ]
+    assert found.entries == (Value("elasticity", 42.0, 4.5, "kPa"),)
+    assert [channel.name for channel in found.series[0].channels] == ["position", "time"]
+    assert found.gripper_pose is not None
+    assert found.gripper_pose.original["rotation"] == [1.0, 2.0, 3.0]
+    assert found.recorded_at.isoformat() == "2001-02-03T04:05:06+00:00"
+    for told in ("UTC is assumed", "kPa is assumed", "metres are assumed", "no convention", "an index resampled"):
+        assert any(told in notice for notice in found.notices)
+
+
+def test_a_mean_that_is_no_number_has_failed(tmp_path: Path) -> None:
+    """NaN becomes a failed entry, with its series kept, and not a number."""
+    found = read_upload(upload(tmp_path, "elasticity_0", number("elasticity", mean=math.nan, std=4.5), GRIP))
+    assert found.entries == (FailedEntry("the mean is nan", "elasticity"),)
+    assert found.series
+
+
+def test_grams_are_no_torque(tmp_path: Path) -> None:
+    """The weighing is the mean of the grams; the derived density is in the file of the entry and nowhere else."""
+    outputs = {"tentacle": {"joint4_torque": [99.0, 101.0, 103.0]}}
+    found = read_upload(upload(tmp_path, "density_0", number("density", mean=254.0, std=800), outputs))
+    assert found.entries == (Value("mass", 101.0, None, "g"),)
+    assert (found.series[0].channels[0].quantity, found.series[0].channels[0].unit) == ("mass", "g")
+    original = next(item for item in found.files if item.name == "entry.json")
+    assert isinstance(original.data, bytes)
+    assert json.loads(original.data)["values"][0]["mean"] == 254.0
+
+
+def test_labels_are_kept_as_they_are(tmp_path: Path) -> None:
+    """All labels are kept, those too that no network knows."""
+    found = read_upload(upload(tmp_path, "mat-vision_0", labels("mat-vision", plastic=0.75, water=0.25), {}))
+    assert found.entries == (Distribution("material", {"plastic": 0.75, "water": 0.25}),)
+    assert found.repository == "https://example.org/eyes"
+    assert "the label 'plastic' may stand for soft-plastic or hard-plastic: it is kept as it is" in found.notices
+
+
+@pytest.mark.parametrize(
+    "name", ["../secret.png", "/etc/passwd", "C:\\x\\img.png", "link.png", "\\\\host\\share\\x.png"]
+)
+def test_files_outside_the_folder_are_never_read(tmp_path: Path, name: str) -> None:
+    """A path that leads out is refused and noticed, without the folders of the other computer."""
+    (tmp_path / "secret.png").write_bytes(b"secret")
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    (folder / "link.png").symlink_to(tmp_path / "secret.png")
+    file = upload(folder, "cat-vision_0", labels("cat-vision", mug=1.0), {"eye": {"image": name}})
+    found = read_upload(file)
+    assert [item.name for item in found.files] == ["entry.json"]
+    assert any("is refused" in notice and "etc" not in notice for notice in found.notices)
+
+
+def test_files_beside_it_are_kept(tmp_path: Path) -> None:
+    """A file inside the folder comes along; one that is not there is noticed."""
+    (tmp_path / "imgs").mkdir()
+    (tmp_path / "imgs" / "a.png").write_bytes(b"picture")
+    outputs = {"eye": {"image": "imgs/a.png", "other": "imgs/b.png"}}
+    found = read_upload(upload(tmp_path, "cat-vision_0", labels("cat-vision", mug=1.0), outputs))
+    assert (found.files[0].name, found.files[0].media_type) == ("eye/image.png", "image/png")
+    assert any("'b.png', is not there" in notice for notice in found.notices)
+
+
+def test_an_import_can_be_run_again(tmp_path: Path) -> None:
+    """The second import finds everything there; ids and digests are the same."""
+    upload(tmp_path, "elasticity_0", number("elasticity", mean=42.0, std=4.5, units="kPa"), GRIP)
+    upload(tmp_path, "mat-vision_0", labels("mat-vision", plastic=1.0), {})
+    store = Kept()
+    first = list(import_uploads(tmp_path, store.put))
+    again = list(import_uploads(tmp_path, store.put))
+    assert [done.new for done in first] == [True, True]
+    assert [done.new for done in again] == [False, False]
+    assert [done.recording and done.recording.id for done in first] == [
+        done.recording and done.recording.id for done in again
+    ]
+
+
+def test_one_bad_file_spoils_no_other(tmp_path: Path) -> None:
+    """A file that is refused is told with the reason; the others are taken."""
+    upload(tmp_path, "a-bad-one_0", labels("mat-vision", plastic=0.6), {})
+    upload(tmp_path, "mat-vision_0", labels("mat-vision", plastic=1.0), {})
+    (tmp_path / ODD_NAME.format("zero_0")).write_text("{")
+    done = list(import_uploads(tmp_path, Kept().put))
+    assert [one.recording is not None for one in done] == [False, True, False]
+    assert "sum to 0.6" in str(done[0].reason)
+    assert "no readable JSON" in str(done[2].reason)
+
+
+def test_a_folder_without_uploads_is_an_error(tmp_path: Path) -> None:
+    """A folder with nothing to import is refused in one sentence."""
+    with pytest.raises(LogError, match="no file upload_dict_"):
+        list(import_uploads(tmp_path, Kept().put))
+
+
+junk = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    max_leaves=4,
+)
+PLACES = [
+    ("measurement",),
+    ("entry",),
+    ("entry", "values"),
+    ("entry", "name"),
+    ("entry", "repository"),
+    ("measurement", "object_instance"),
+    ("measurement", "object_instance", "dataset"),
+    ("measurement", "object_instance", "common_name"),
+    ("measurement", "setup"),
+    ("measurement", "setup", "arm"),
+    ("measurement", "sensor_outputs"),
+    ("measurement", "sensor_outputs", "hand"),
+    ("measurement", "sensor_outputs", "hand", "position"),
+    ("measurement", "grasp"),
+    ("measurement", "object_pose"),
+    ("measurement", "object_pose", "translation"),
+]
+
+
+@given(st.sampled_from(PLACES), junk)
+@settings(max_examples=150)
+def test_junk_anywhere_is_refused_or_kept(place: tuple[str, ...], value: Any) -> None:
+    """Whatever stands in any place of a file, it is one sentence or a recording that a store keeps."""
+    with TemporaryDirectory() as name:
+        file = upload(Path(name), "elasticity_0", number("elasticity", mean=1.0, std=1.0, units="kPa"), GRIP)
+        content = json.loads(file.read_text())
+        inner = content
+        for key in place[:-1]:
+            inner = inner[key]
+        inner[place[-1]] = value
+        file.write_text(json.dumps(content))
+        with suppress(LogError, StoreError):
+            check(read_upload(file))

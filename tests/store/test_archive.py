@@ -1,0 +1,142 @@
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from palpate.store.archive import export_archive, import_archive, read_archive
+from palpate.store.content import file_digest
+from palpate.store.errors import DamagedError, StoreError
+from palpate.store.opening import open_store
+from palpate.store.records import FileItem, Recording
+from palpate.store.store import Store
+from palpate.store.verifying import verify
+from tests.store.made_up import recordings, squeeze
+
+MADE = [squeeze(1, log="said"), squeeze(2, files=(FileItem("cam0.png", "image/png", b"picture"),)), squeeze(3)]
+
+
+@pytest.fixture
+def archive(local: Store, tmp_path: Path) -> Path:
+    local.put_many(MADE)
+    assert export_archive(local, tmp_path / "archive") == 3
+    return tmp_path / "archive"
+
+
+def test_import_of_an_export_is_the_same(store: Store, tmp_path: Path) -> None:
+    """Recordings come back with ids and digests from an archive; a second import adds nothing."""
+    store.put_many(MADE)
+    export_archive(store, tmp_path / "archive")
+    with open_store(tmp_path / "other.sqlite", durable=False) as other:
+        first, second = (import_archive(other, tmp_path / "archive") for _ in range(2))
+        assert (first.new, first.known, second.new, second.known) == (3, 0, 0, 3)
+        assert [other.get(recording.id) for recording in MADE] == MADE
+        assert list(verify(other)) == []
+
+
+@settings(
+    max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow], deadline=None
+)
+@given(st.lists(recordings(), max_size=3))
+def test_any_recordings_survive_an_archive(local: Store, tmp_path: Path, made: list[Recording]) -> None:
+    """Whatever may be kept has the same digest after a round trip through an archive."""
+    local.put_many(made)
+    shutil.rmtree(tmp_path / "archive", ignore_errors=True)
+    export_archive(local, tmp_path / "archive")
+    found = {recording.digest for recording in read_archive(tmp_path / "archive")}
+    assert {recording.digest for recording in made} <= found
+
+
+def test_an_existing_folder_is_not_written_to(local: Store, tmp_path: Path) -> None:
+    """Exporting to a name that is taken is refused; a failed export leaves nothing."""
+    with pytest.raises(StoreError, match="exists already"):
+        export_archive(local, tmp_path)
+    local.put(MADE[0])
+    with local.engine.begin() as connection:
+        connection.exec_driver_sql("UPDATE series SET data = x'00'")
+    before = set(tmp_path.iterdir())
+    with pytest.raises(DamagedError):
+        export_archive(local, tmp_path / "archive")
+    assert set(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("name", ["recordings.parquet", "entries.parquet"])
+def test_a_changed_archive_is_refused(archive: Path, name: str) -> None:
+    """A file that is not the one that was written is named, before anything is imported."""
+    path = archive / name
+    path.write_bytes(path.read_bytes() + b"x")
+    with pytest.raises(DamagedError, match=f"{name}: is missing or not the file"):
+        next(read_archive(archive))
+
+
+@pytest.mark.parametrize(
+    ("manifest", "message"),
+    [("{", "cannot be read"), ("[]", "cannot be read"), ('{"version": 2, "sha256": {}}', "cannot be read")],
+)
+def test_a_manifest_that_is_none_is_refused(archive: Path, manifest: str, message: str) -> None:
+    """A manifest that cannot be read is an error in one sentence."""
+    (archive / "manifest.json").write_text(manifest)
+    with pytest.raises(StoreError, match=message):
+        next(read_archive(archive))
+
+
+def forged(archive: Path, column: str, value: object) -> Path:
+    """The archive with another value in one column, and a manifest that agrees."""
+    path = archive / "recordings.parquet"
+    table = pq.read_table(path)
+    place = table.schema.get_field_index(column)
+    field = table.schema.field(column)
+    pq.write_table(table.set_column(place, field, pa.array([value] * table.num_rows, field.type)), path)
+    manifest = json.loads((archive / "manifest.json").read_text())
+    manifest["sha256"]["recordings.parquet"] = file_digest(path)
+    (archive / "manifest.json").write_text(json.dumps(manifest))
+    return archive
+
+
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [
+        ("document", "{"),
+        ("document", "[]"),
+        ("document", '{"files":[{"sha256":"../../../etc/passwd"}]}'),
+        ("document", '{"files":[{"sha256":"/etc/passwd"}]}'),
+        ("thing", "{}"),
+        ("setup", "null"),
+        ("id", "mug"),
+        ("digest", "00" * 32),
+        ("log", b"other"),
+        ("series", []),
+        ("series", None),
+        ("series", [{"name": "a", "layout": "[]", "data": b""}]),
+    ],
+)
+def test_a_forged_row_is_refused(archive: Path, column: str, value: object) -> None:
+    """Whatever stands in a row, it is a whole recording of its digest or an error; no path leads out of the archive."""
+    with pytest.raises(StoreError):
+        list(read_archive(forged(archive, column, value)))
+
+
+def test_a_missing_file_is_named(archive: Path, tmp_path: Path) -> None:
+    """A file that the archive does not hold is an error, and so is a link in its place."""
+    digest = MADE[1].files[0].sha256
+    path = archive / "blobs" / digest[:2] / digest[2:]
+    path.rename(tmp_path / "picture")
+    with pytest.raises(DamagedError, match=f"blob {digest} is missing"):
+        list(read_archive(archive))
+    path.symlink_to(tmp_path / "picture")
+    with pytest.raises(DamagedError, match=f"blob {digest} is missing"):
+        list(read_archive(archive))
+
+
+def test_what_a_store_refuses_is_told(archive: Path, tmp_path: Path) -> None:
+    """A recording that the other store may not keep is told, and the others are imported."""
+    with open_store(tmp_path / "other.sqlite", durable=False) as other:
+        other.put(replace(squeeze(9), id=MADE[2].id))
+        imported = import_archive(other, archive)
+    assert (imported.new, imported.known) == (2, 0)
+    assert "is that of another recording" in imported.refused[0]

@@ -1,0 +1,64 @@
+from collections.abc import Callable
+from hashlib import sha256
+from pathlib import Path
+
+import pytest
+
+from palpate.store.blobs import Blobs, FolderBlobs
+from palpate.store.bucket import BucketBlobs
+from palpate.store.errors import DamagedError
+
+DATA = b"a picture"
+DIGEST = sha256(DATA).hexdigest()
+
+
+@pytest.fixture(params=["folder", "bucket"])
+def blobs(request: pytest.FixtureRequest, tmp_path: Path) -> Blobs:
+    made: dict[str, Callable[[], Blobs]] = {
+        "folder": lambda: FolderBlobs(tmp_path / "blobs"),
+        "bucket": lambda: BucketBlobs("memory:///"),
+    }
+    return made[request.param]()
+
+
+def test_bytes_come_back(blobs: Blobs, tmp_path: Path) -> None:
+    """Bytes and files come back under their digest; putting again changes nothing."""
+    path = tmp_path / "picture.png"
+    path.write_bytes(b"another")
+    other = sha256(b"another").hexdigest()
+    blobs.put(DIGEST, DATA)
+    blobs.put(DIGEST, DATA)
+    blobs.put(other, path)
+    assert (blobs.get(DIGEST), blobs.get(other)) == (DATA, b"another")
+    assert {digest for digest, _ in blobs.all()} == {DIGEST, other}
+
+
+def test_what_is_missing_or_set_aside_is_never_returned(blobs: Blobs) -> None:
+    """Missing bytes are an error; after setting damaged ones aside the right ones can be put again."""
+    with pytest.raises(DamagedError, match=f"blob {DIGEST}: is missing"):
+        blobs.get(DIGEST)
+    blobs.put(DIGEST, DATA)
+    blobs.set_aside(DIGEST)
+    assert not list(blobs.all())
+    blobs.put(DIGEST, DATA)
+    assert blobs.get(DIGEST) == DATA
+    blobs.remove(DIGEST)
+    assert not list(blobs.all())
+
+
+def test_other_bytes_are_never_returned(blobs: Blobs) -> None:
+    """Bytes that are not those of the digest are an error that names it."""
+    wrong = sha256(b"other").hexdigest()
+    blobs.put(wrong, DATA)
+    with pytest.raises(DamagedError, match=f"blob {wrong}: 9 bytes in .* are not the ones that were written"):
+        blobs.get(wrong)
+
+
+def test_a_file_that_changed_is_not_kept(blobs: Blobs, tmp_path: Path) -> None:
+    """A file that is no longer what its digest was taken of is refused, and nothing is kept."""
+    path = tmp_path / "picture.png"
+    path.write_bytes(b"changed")
+    with pytest.raises(DamagedError, match="changed while it was read"):
+        blobs.put(DIGEST, path)
+    assert not list(blobs.all())
+    assert not [left for left in (tmp_path / "blobs").glob("*/*") if left.is_file()]

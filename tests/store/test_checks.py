@@ -1,0 +1,126 @@
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from palpate.store.checks import check
+from palpate.store.entries import Bound, Distribution, FailedEntry, Interval, Value
+from palpate.store.errors import StoreError
+from palpate.store.records import Channel, Device, FileItem, Pose, Recording, Series, Setup, ThingRef
+from tests.store.made_up import GRIPPER, recordings, squeeze
+
+HALF_PAIR = "\ud800"
+TWO: Any = (0.0, 0.0)
+
+
+def one_channel(**changes: Any) -> tuple[Series, ...]:
+    fields = {"name": "force", "quantity": "force", "unit": "N", "values": np.zeros(3), **changes}
+    return (Series("sensor", (Channel(**fields),)),)
+
+
+def two_channels(*lengths: int, **changes: Any) -> tuple[Series, ...]:
+    return (
+        Series("sensor", tuple(Channel(f"c{i}", "q", None, np.zeros(n), **changes) for i, n in enumerate(lengths))),
+    )
+
+
+REFUSED = [
+    ({"recorded_at": datetime(2024, 5, 1)}, "recorded_at: 2024-05-01T00:00:00 has no time zone"),
+    ({"recorded_at": datetime.now(UTC) + timedelta(days=1)}, "recorded_at: .* is in the future"),
+    ({"action": ""}, "action: is empty"),
+    ({"action": 3}, "action: found 3, expected text"),
+    ({"owner": HALF_PAIR}, "owner: character 0 is half of a pair"),
+    ({"licence": "a\0"}, "licence: holds a null character"),
+    ({"visibility": "secret"}, "visibility: found 'secret'; choose from 'private', 'lab', 'public'"),
+    ({"thing": ThingRef("", "a")}, "thing.dataset: is empty"),
+    ({"thing": ThingRef("a", "b", attributes={"x": float("inf")})}, "thing.attributes.x: found inf"),
+    ({"thing": ThingRef("a", "b", aliases=("",))}, r"thing.aliases\[0\]: is empty"),
+    ({"setup": Setup(arm=GRIPPER)}, "setup.arm.kind: found 'gripper', expected 'arm'"),
+    ({"setup": Setup(other=(Device("hand", "x"),))}, r"setup.other\[0\].kind: found 'hand'"),
+    ({"grasp": {1: 2}}, "grasp: found the key 1"),
+    ({"grasp": {"at": datetime(2024, 5, 1)}}, "grasp.at: found datetime"),
+    ({"object_pose": Pose((0.0, float("nan"), 0.0))}, "object_pose.translation_m: found nan"),
+    ({"gripper_pose": Pose((0.0, 0.0, 0.0), (1.0, 1.0, 0.0, 0.0))}, "gripper_pose.quaternion: length 1.414"),
+    ({"gripper_pose": Pose(TWO)}, "gripper_pose.translation_m: 2 numbers, expected 3"),
+    ({"series": one_channel(unit="nonsense")}, r"series\[0\].force.unit: unknown unit 'nonsense'"),
+    ({"series": one_channel(unit="mm")}, r"series\[0\].force.unit: unit 'mm' is length"),
+    ({"series": one_channel(unit="")}, r"series\[0\].force.unit: is empty"),
+    ({"series": one_channel(values=["a", "b"])}, r"series\[0\].force.values: samples of <U1"),
+    ({"series": one_channel(values=3.0)}, r"series\[0\].force.values: a single number"),
+    ({"series": one_channel(rate_hz=0.0)}, r"series\[0\].force.rate_hz: found 0.0"),
+    ({"series": one_channel(time_s=[0.0, 1.0])}, r"series\[0\].force.time_s: shape \(2,\) for 3 samples"),
+    ({"series": one_channel(time_s=[0.0, 1.0, np.nan])}, r"series\[0\].force.time_s: a time stamp is not finite"),
+    ({"series": two_channels(3, 4)}, r"series\[0\].c1.values: 4 samples, expected 3 as in 'c0'"),
+    ({"series": (*one_channel(), *one_channel())}, r"series\[1\].name: found 'sensor'"),
+    ({"files": (FileItem("a", "image/png", Path("nowhere.png")),)}, r"files\[0\].data: there is no file 'nowhere.png'"),
+    ({"files": (FileItem("a", "x/y", b""), FileItem("a", "x/y", b""))}, r"files\[1\].name: a second file 'a'"),
+    ({"entries": (Value("mass", float("nan"), unit="g"),)}, r"entries\[0\].value: found nan"),
+    ({"entries": (Value("mass", True, unit="g"),)}, r"entries\[0\].value: found True"),
+    ({"entries": (Value("mass", 1.0, -1.0, "g"),)}, r"entries\[0\].sd: found -1.0"),
+    ({"entries": (Value("mass", 1.0, None, "nonsense"),)}, r"entries\[0\].unit: unknown unit"),
+    ({"entries": (Interval("mass", 2.0, 1.0, "g"),)}, r"entries\[0\].low: 2.0 is above 1.0"),
+    ({"entries": (Bound("mass", unit="g"),)}, r"entries\[0\]: above is None and below is None"),
+    ({"entries": (Bound("mass", 1.0, 2.0, "g"),)}, r"entries\[0\]: above is 1.0 and below is 2.0"),
+    ({"entries": (Distribution("kind", {"a": 0.5, "b": 0.4}),)}, r"entries\[0\].probabilities: sum to 0.9"),
+    ({"entries": (Distribution("kind", {"a": 1.5, "b": -0.5}),)}, r"entries\[0\].probabilities\['b'\]: found -0.5"),
+    ({"entries": (Distribution("kind", {}),)}, r"entries\[0\].probabilities: sum to 0"),
+    ({"entries": (FailedEntry(""),)}, r"entries\[0\].reason: is empty"),
+    ({"notices": ("fine", 3)}, r"notices\[1\]: found 3"),
+    ({"log": HALF_PAIR}, "log: character 0 is half of a pair"),
+]
+
+
+@pytest.mark.parametrize(("changes", "message"), REFUSED, ids=[message for _, message in REFUSED])
+def test_what_cannot_be_kept_is_refused(changes: dict[str, Any], message: str) -> None:
+    """The error is one sentence that names the field, what was found and what would be right."""
+    with pytest.raises(StoreError, match=f"^{message}") as raised:
+        check(replace(squeeze(), **changes))
+    assert "\n" not in str(raised.value)
+
+
+def test_known_units_of_properties_are_heeded() -> None:
+    """A property whose dimension is known is refused in another one."""
+    check(squeeze(), units={"elasticity": "MPa"})
+    with pytest.raises(StoreError, match=r"entries\[0\].unit: unit 'kPa' is .*; expected mass"):
+        check(squeeze(), units={"elasticity": "g"})
+
+
+def test_rates_of_their_own_allow_lengths_of_their_own() -> None:
+    """Channels of different rates, or with time stamps, may have different numbers of samples; NaN samples are kept."""
+    slow = Channel("slow", "q", None, np.full(3, np.nan), rate_hz=1.0)
+    fast = Channel("fast", "q", None, np.zeros(30), rate_hz=10.0)
+    stamped = Channel("stamped", "q", None, np.zeros(2), time_s=np.array([0.0, 0.5]))
+    check(squeeze(series=(Series("sensor", (slow, fast, stamped)),)))
+
+
+@settings(max_examples=30, deadline=None)
+@given(recordings())
+def test_made_up_recordings_may_be_kept(recording: Recording) -> None:
+    """What the other tests put into stores passes the checks."""
+    check(recording)
+
+
+@settings(max_examples=30, deadline=None)
+@given(recordings(), st.sampled_from(["id", "visibility"]))
+def test_the_digest_is_of_the_content(recording: Recording, name: str) -> None:
+    """Id and visibility do not change a digest; what was measured does."""
+    changes: dict[str, Any] = {"id": squeeze().id} if name == "id" else {"visibility": "lab"}
+    assert replace(recording, **changes).digest == recording.digest
+    assert replace(recording, log=recording.log + "x").digest != recording.digest
+    assert replace(recording, notices=(*recording.notices, "x")).digest != recording.digest
+
+
+def test_the_digest_sees_every_sample() -> None:
+    """One other bit of a sample or of a time stamp is another recording; the order of bytes in memory is not."""
+    values = np.arange(4.0)
+    one = squeeze(series=one_channel(values=values))
+    assert one.digest == squeeze(series=one_channel(values=values.astype(">f8"))).digest
+    assert one.digest == squeeze(series=one_channel(values=np.repeat(values, 2)[::2])).digest
+    assert one.digest != squeeze(series=one_channel(values=np.nextafter(values, 9.0))).digest
+    assert one.digest != squeeze(series=one_channel(values=values.astype(np.float32))).digest
+    assert one.digest != squeeze(series=one_channel(values=values, time_s=values)).digest

@@ -1,0 +1,113 @@
+"""Many writers, and writers that are killed."""
+
+import multiprocessing
+import os
+import random
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from palpate.store.errors import StoreError
+from palpate.store.opening import open_store
+from palpate.store.store import Receipt, Store
+from palpate.store.verifying import verify
+from tests.store.made_up import squeeze
+
+KILLS = int(os.environ.get("PALPATE_TEST_KILLS", "6"))
+"""How often the writer is killed; each takes about a second."""
+
+WRITER = """
+import sys
+from pathlib import Path
+from palpate.store.opening import open_store
+from tests.store.made_up import squeeze
+from palpate.store.records import FileItem
+with open_store(sys.argv[1]) as store:
+    for number in range(int(sys.argv[2]), 10**6):
+        picture = FileItem("cam0", "image/png", str(number).encode())
+        receipt = store.put(squeeze(number, files=(picture,)))
+        print(number, receipt.digest, flush=True)
+"""
+
+
+def put_both(path: Path, first: int) -> list[Receipt]:
+    with open_store(path) as store:
+        return [store.put(squeeze(number)) for number in range(first, first + 15)]
+
+
+def test_threads_write_at_once(store: Store) -> None:
+    """Eight threads that put the same recordings: each is there once, new for one of them."""
+    with ThreadPoolExecutor(8) as threads:
+        batches = list(threads.map(lambda _: [store.put(squeeze(number)) for number in range(6)], range(8)))
+    receipts = [receipt for batch in batches for receipt in batch]
+    assert sum(receipt.new for receipt in receipts) == 6
+    assert len({receipt.id for receipt in receipts}) == 6
+    assert list(verify(store)) == []
+
+
+def test_processes_write_at_once(tmp_path: Path) -> None:
+    """Two processes that put overlapping recordings into a store that neither has made before."""
+    path = tmp_path / "store.sqlite"
+    with multiprocessing.get_context("spawn").Pool(2) as pool:
+        both = pool.starmap(put_both, [(path, 0), (path, 10)])
+    receipts = [receipt for batch in both for receipt in batch]
+    assert sum(receipt.new for receipt in receipts) == 25
+    with open_store(path) as store:
+        assert list(verify(store)) == []
+        assert all(store.get(receipt.id).digest == receipt.digest for receipt in receipts)
+
+
+def test_a_killed_writer_loses_nothing(tmp_path: Path) -> None:
+    """Killed at any instant, what was acknowledged is there, nothing is there in part, and the store verifies."""
+    path, rng, acknowledged = tmp_path / "store.sqlite", random.Random(0), dict[int, str]()
+    for _ in range(KILLS):
+        command = [sys.executable, "-c", WRITER, str(path), str(max(acknowledged, default=-1) + 1)]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parents[2]) as writer:
+            assert writer.stdout is not None
+            lines = [writer.stdout.readline()]
+            time.sleep(rng.uniform(0, 0.05))
+            writer.send_signal(signal.SIGKILL)
+            lines += writer.stdout.readlines()
+        for number, digest in (line.split() for line in lines if line.endswith("\n")):
+            acknowledged[int(number)] = digest
+    assert len(acknowledged) >= KILLS
+    with open_store(path) as store:
+        assert list(verify(store)) == []
+        assert all(store.get(digest).digest == digest for digest in acknowledged.values())
+
+
+def test_a_locked_store_is_an_error_in_one_sentence(local: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    """While another program holds the file for longer than one waits, putting is refused; later it works."""
+    path = str(local.engine.url.database)
+    monkeypatch.setattr("palpate.store.database.WAIT_S", 0.1)
+    with open_store(path) as impatient:
+        other = sqlite3.connect(path, isolation_level=None)
+        other.execute("BEGIN IMMEDIATE")
+        with pytest.raises(StoreError, match="database is locked; nothing was kept"):
+            impatient.put(squeeze())
+        other.execute("ROLLBACK")
+        other.close()
+        assert impatient.put(squeeze()).new
+
+
+def test_a_full_disk_is_an_error_and_leaves_the_store_whole(local: Store) -> None:
+    """When there is no space left, putting is refused, and what was there is still whole."""
+    local.put(squeeze(0))
+    with local.engine.connect() as connection:
+        pages = connection.exec_driver_sql("PRAGMA page_count").scalar_one()
+
+    def put_many() -> None:
+        for number in range(1, 1000):
+            with local.engine.connect() as connection:
+                connection.exec_driver_sql(f"PRAGMA max_page_count = {pages}")
+            local.put(squeeze(number))
+
+    with pytest.raises(StoreError, match="full; nothing was kept"):
+        put_many()
+    assert list(verify(local)) == []
