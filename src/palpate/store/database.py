@@ -7,7 +7,7 @@ from sqlite3 import Connection as SqliteConnection
 from typing import Any
 
 from sqlalchemy import Connection, Engine, create_engine, event, inspect, text
-from sqlalchemy.engine import make_url
+from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, DatabaseError
 
 from palpate.store.errors import StoreError
@@ -48,6 +48,10 @@ def connect(url: str, *, durable: bool = True) -> Engine:
         return create_engine(address, pool_pre_ping=True)
     if address.get_backend_name() != "sqlite":
         raise StoreError(f"store {url!r}: found {address.get_backend_name()!r}, expected SQLite or PostgreSQL")
+    return _sqlite(address, durable=durable)
+
+
+def _sqlite(address: URL, *, durable: bool) -> Engine:
     engine = create_engine(address, connect_args={"timeout": WAIT_S})
     synchronous = "FULL" if durable else "NORMAL"
 

@@ -26,6 +26,7 @@ from palpate.store.rows import Prepared, entry_rows, prepare
 __all__ = ["Receipt", "Store"]
 
 ATTEMPTS = 5
+DEADLOCK = "40P01"
 # SQLite takes so many parameters in one statement, and more
 CHUNK = 400
 THERE = select(schema.recordings.c.uuid, schema.recordings.c.digest).where(
@@ -100,16 +101,7 @@ class Store:
         for recording in batch:
             check(recording)
         prepared = [prepare(recording, self.blobs) for recording in batch]
-        for attempt in range(ATTEMPTS):
-            try:
-                return self._commit(prepared)
-            except IntegrityError as error:
-                # somebody else has just put the same; the next look finds it
-                if attempt == ATTEMPTS - 1:
-                    raise StoreError(f"store {self.engine.url!r}: {error.orig}; nothing was kept") from None
-            except DatabaseError as error:
-                raise StoreError(f"store {self.engine.url!r}: {error.orig}; nothing was kept") from None
-        return []
+        return self._commit_or_again(prepared, ATTEMPTS)
 
     def get(self, key: UUID | str) -> Recording:
         """A recording by its id or its digest, verified.
@@ -127,6 +119,16 @@ class Store:
         if not found:
             raise StoreError(f"recording {key}: is not in the store")
         return recording_from(found[0])
+
+    def _commit_or_again(self, batch: Sequence[Prepared], attempts: int) -> list[Receipt]:
+        try:
+            return self._commit(batch)
+        except DatabaseError as error:
+            # somebody else has just put the same, and the next look finds it; or the two wait for each other
+            race = isinstance(error, IntegrityError) or getattr(error.orig, "sqlstate", None) == DEADLOCK
+            if race and attempts > 1:
+                return self._commit_or_again(batch, attempts - 1)
+            raise StoreError(f"store {self.engine.url!r}: {error.orig}; nothing was kept") from None
 
     def _commit(self, batch: Sequence[Prepared]) -> list[Receipt]:
         """One transaction that puts what is not there yet."""
