@@ -117,3 +117,10 @@ def test_every_command_is_there() -> None:
     """The group has the six commands."""
     names = set(getattr(typer.main.get_command(command.app), "commands", {}))
     assert names == {"show", "list", "verify", "repair", "export", "import"}
+
+
+def test_what_is_not_installed_is_named(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without the extra the command says in one sentence what to install, and does nothing."""
+    monkeypatch.setattr("palpate.cli.storing.find_spec", lambda name: None if name == "sqlalchemy" else object())
+    refused = run("store", "show").refused
+    assert 'palpate store needs sqlalchemy, which is not installed: pip install "palpate[store]"' in refused

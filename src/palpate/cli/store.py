@@ -25,6 +25,9 @@ WHICH, HOW = "Which recordings", "How they are listed"
 @app.callback()
 def store() -> None:
     """Show, list, verify, repair, export or import measurements."""
+    from palpate.cli.storing import check_installed
+
+    check_installed()
 
 
 @app.command("show")

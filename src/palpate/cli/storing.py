@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 from uuid import UUID
@@ -17,18 +18,24 @@ if TYPE_CHECKING:
     from palpate.store.store import Store
     from palpate.store.verifying import Fault
 
-__all__ = ["found_recording", "import_path", "labels_of", "moment_of", "opened", "tell_faults"]
+__all__ = ["check_installed", "found_recording", "import_path", "labels_of", "moment_of", "opened", "tell_faults"]
+
+
+NEEDED = ("alembic", "pyarrow", "sqlalchemy", "zstandard")
+
+
+def check_installed() -> None:
+    """Say what is missing where the package was installed without what a store needs."""
+    missing = [name for name in NEEDED if find_spec(name) is None]
+    if missing:
+        raise PalpateError(f'palpate store needs {missing[0]}, which is not installed: pip install "palpate[store]"')
 
 
 @contextmanager
 def opened(place: str | None, blobs: str | None) -> Iterator[Store]:
     """The store of the options, closed afterwards."""
-    try:
-        from palpate.store.opening import open_store
-    except ImportError as error:
-        raise PalpateError(
-            f'palpate store needs {error.name}, which is not installed: pip install "palpate[store]"'
-        ) from error
+    from palpate.store.opening import open_store
+
     with open_store(place, blobs) as found:
         yield found
 
