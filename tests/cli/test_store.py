@@ -124,3 +124,10 @@ def test_what_is_not_installed_is_named(run: Any, monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr("palpate.cli.storing.find_spec", lambda name: None if name == "sqlalchemy" else object())
     refused = run("store", "show").refused
     assert 'palpate store needs sqlalchemy, which is not installed: pip install "palpate[store]"' in refused
+
+
+def test_a_path_that_is_not_there(run: Any, tmp_path: Path) -> None:
+    """Nothing is imported, and no store is made, where one of the paths does not exist."""
+    refused = run("store", "import", str(tmp_path / "nowhere"), "--store", str(tmp_path / "s.sqlite")).refused
+    assert "nowhere: no such file or folder" in refused
+    assert not (tmp_path / "s.sqlite").exists()

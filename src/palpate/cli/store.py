@@ -163,8 +163,9 @@ def import_(
     blobs: BlobsOption = None,
 ) -> None:
     """Put archives or upload dictionaries into the store; what is there already stays as it is."""
-    from palpate.cli.storing import import_path, opened
+    from palpate.cli.storing import check_there, import_path, opened
 
+    check_there(paths)
     with opened(place, blobs) as found:
         refused = sum(import_path(found, path, verbose=verbose) for path in paths)
     raise typer.Exit(1 if refused else 0)

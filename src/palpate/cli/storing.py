@@ -18,7 +18,16 @@ if TYPE_CHECKING:
     from palpate.store.store import Store
     from palpate.store.verifying import Fault
 
-__all__ = ["check_installed", "found_recording", "import_path", "labels_of", "moment_of", "opened", "tell_faults"]
+__all__ = [
+    "check_installed",
+    "check_there",
+    "found_recording",
+    "import_path",
+    "labels_of",
+    "moment_of",
+    "opened",
+    "tell_faults",
+]
 
 
 NEEDED = ("alembic", "pyarrow", "sqlalchemy", "zstandard")
@@ -81,6 +90,13 @@ def tell_faults(faults: Iterable[Fault]) -> Sequence[Fault]:
         told.append(fault)
     print(plural(len(told), "fault") if told else "all is as it was written")
     return told
+
+
+def check_there(paths: Sequence[Path]) -> None:
+    """Find out before anything is imported whether all paths exist."""
+    for path in paths:
+        if not path.exists():
+            raise PalpateError(f"{path}: no such file or folder, expected an archive or upload dictionaries")
 
 
 def import_path(store: Store, path: Path, *, verbose: bool) -> int:
