@@ -68,8 +68,8 @@ def channels(draw: st.DrawFn, name: str) -> Channel:
     dtype = draw(st.sampled_from(["<f8", ">f4", "<i4", "u1", "?"]))
     values = draw(hnp.arrays(dtype, hnp.array_shapes(max_dims=2, min_side=0, max_side=4)))
     stamps = draw(st.none() | hnp.arrays(np.float64, len(values), elements=numbers))
-    # of one rate each, as those of one rate have one length
-    rate_hz = None if stamps is not None else draw(positive)
+    # a rate for each length, as channels of one rate have one length
+    rate_hz = None if stamps is not None else draw(st.sampled_from([1.0, 44_100.0])) * (1 + len(values))
     return Channel(name, draw(words), draw(st.sampled_from([None, "mm"])), values, rate_hz, stamps)
 
 
