@@ -10,7 +10,6 @@ from __future__ import annotations
 import http.client
 import json
 import os
-from dataclasses import dataclass
 from tempfile import SpooledTemporaryFile
 from typing import IO, Protocol
 from urllib.error import HTTPError, URLError
@@ -20,13 +19,11 @@ from uuid import UUID
 
 from palpate.errors import PalpateError
 from palpate.store.importing.package import pack
-from palpate.store.records import Recording
+from palpate.store.records import Receipt, Recording
 
 __all__ = [
-    "Acknowledged",
     "HttpReceiver",
     "NotAllowedError",
-    "Receipt",
     "Receiver",
     "ReceiverError",
     "RefusedError",
@@ -54,32 +51,11 @@ class RefusedError(ReceiverError):
     """The store will not have this recording, however often it is sent."""
 
 
-class Acknowledged(Protocol):
-    """What says that a recording is in a store."""
-
-    @property
-    def digest(self) -> str:
-        """The digest of what the store has."""
-
-    @property
-    def new(self) -> bool:
-        """Whether the store did not have it before."""
-
-
 class Receiver(Protocol):
     """What recordings can be sent to: a store, or a server that has one."""
 
-    def put(self, recording: Recording) -> Acknowledged:
+    def put(self, recording: Recording) -> Receipt:
         """Keep a recording; when this returns it is kept. The same again is no second one."""
-
-
-@dataclass(frozen=True)
-class Receipt:
-    """A server's answer: under which id it has the recording, and whether it was new there."""
-
-    id: UUID
-    digest: str
-    new: bool
 
 
 class HttpReceiver:

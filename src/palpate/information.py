@@ -5,10 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["entropy_bits", "kl_bits", "mutual_information_bits", "sum_p_log_p"]
+__all__ = ["entropy_bits", "kl_bits", "mutual_information_bits", "p_log_p", "sum_p_log_p"]
 
 Array = NDArray[np.float64]
 TINY = np.finfo(float).tiny
+
+
+def p_log_p(p: Array) -> Array:
+    """Return p ln p of each entry, with 0 ln 0 = 0 [nats]."""
+    return np.asarray(p * np.log(np.maximum(p, TINY)))
 
 
 def sum_p_log_p(p: Array) -> float:

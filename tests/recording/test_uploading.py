@@ -1,8 +1,8 @@
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from uuid import uuid4
 
 import pytest
 from hypothesis import given, settings
@@ -13,28 +13,22 @@ from palpate.recording.spool import Spool
 from palpate.recording.uploading import BackOff, Sent, upload
 from palpate.store.errors import StoreError
 from palpate.store.opening import open_store
-from palpate.store.records import Recording
+from palpate.store.records import Receipt, Recording
 from palpate.store.store import Store
 from tests.store.importing.invented import recordings, squeeze
 
 QUICK = BackOff(attempts=3, first_s=0.0)
 
 
-@dataclass(frozen=True)
-class Given:
-    digest: str
-    new: bool
-
-
 class Stub:
     """A receiver that does what it is told, one thing for each call, and then keeps everything."""
 
-    def __init__(self, *acts: Exception | Callable[[Recording], Given]) -> None:
+    def __init__(self, *acts: Exception | Callable[[Recording], Receipt]) -> None:
         self.acts = list(acts)
         self.kept: dict[str, Recording] = {}
         self.calls = 0
 
-    def put(self, recording: Recording) -> Given:
+    def put(self, recording: Recording) -> Receipt:
         self.calls += 1
         act = self.acts.pop(0) if self.acts else None
         if isinstance(act, Exception):
@@ -43,7 +37,7 @@ class Stub:
             return act(recording)
         new = recording.digest not in self.kept
         self.kept[recording.digest] = recording
-        return Given(recording.digest, new)
+        return Receipt(recording.id, recording.digest, new)
 
 
 @pytest.fixture
@@ -131,7 +125,7 @@ def test_a_busy_store_is_asked_again_and_then_left(spool: Spool) -> None:
 
 def test_a_receipt_for_another_recording_is_none(spool: Spool) -> None:
     """Status comes from the receiver's answer: one about another recording acknowledges nothing."""
-    assert states(list(upload(spool, Stub(lambda _: Given("f" * 64, new=True))))) == ["waiting", "sent"]
+    assert states(list(upload(spool, Stub(lambda _: Receipt(uuid4(), "f" * 64, new=True))))) == ["waiting", "sent"]
     assert len(spool.waiting()) == 1
 
 
@@ -148,10 +142,10 @@ def test_two_senders_send_each_once(spool: Spool) -> None:
     """While one sends a recording, another leaves it alone."""
     inside, go_on = threading.Event(), threading.Event()
 
-    def slow(recording: Recording) -> Given:
+    def slow(recording: Recording) -> Receipt:
         inside.set()
         go_on.wait(10)
-        return Given(recording.digest, new=True)
+        return Receipt(recording.id, recording.digest, new=True)
 
     first, second = Stub(slow), Stub()
     thread = threading.Thread(target=lambda: list(upload(spool, first)))

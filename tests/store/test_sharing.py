@@ -15,7 +15,8 @@ import pytest
 
 from palpate.store.errors import StoreError
 from palpate.store.opening import open_store
-from palpate.store.store import Receipt, Store
+from palpate.store.records import Receipt
+from palpate.store.store import Store
 from palpate.store.verifying import verify
 from tests.store.made_up import squeeze
 

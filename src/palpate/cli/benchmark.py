@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["benchmark"]
+from palpate.cli.task_options import WHAT, Resume, Scheduler, Seed, Workers
 
-WHAT, HOW = "What is run", "How it is run"
+__all__ = ["benchmark"]
 
 
 def benchmark(
@@ -42,17 +42,10 @@ def benchmark(
             rich_help_panel=WHAT,
         ),
     ] = "household-filled",
-    seed: Annotated[int, typer.Option(min=0, help="Seed of all chance.", rich_help_panel=WHAT)] = 0,
-    workers: Annotated[
-        int | None, typer.Option(min=1, help="Worker processes (default: one per processor).", rich_help_panel=HOW)
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(help="Address of a Dask scheduler to run on, such as tcp://host:8786.", rich_help_panel=HOW),
-    ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on where a run in the same folder was stopped.", rich_help_panel=HOW)
-    ] = False,
+    seed: Seed = 0,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    resume: Resume = False,
     figures_only: Annotated[
         bool, typer.Option("--figures-only", help="Draw figures and report again from the table of a finished run.")
     ] = False,

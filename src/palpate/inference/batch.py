@@ -14,7 +14,7 @@ from palpate.inference.first_readings import first_readings
 from palpate.inference.readings import GroupBelief
 from palpate.inference.tables import noise_nats, outcome_table
 from palpate.inference.tensors import Table, product
-from palpate.information import TINY
+from palpate.information import p_log_p
 from palpate.network.sensors import ConfusionSensor, NumberSensor
 from palpate.outcomes import Above, Below, Failed, Label, Reading
 
@@ -132,7 +132,7 @@ def _told(beliefs: Sequence[ExactBelief], action: str) -> list[float]:
     for rows, table in _by_table(beliefs, action):
         weights = np.stack([beliefs[i].categorical(table.names[:-1]).values.ravel() for i in rows])
         p = weights @ table.values.reshape(weights.shape[1], -1)
-        nats[rows] = -_p_log_p(p).sum(axis=1) - weights @ noise_nats(beliefs[rows[0]], action)
+        nats[rows] = -p_log_p(p).sum(axis=1) - weights @ noise_nats(beliefs[rows[0]], action)
     return _bits(nats)
 
 
@@ -160,9 +160,5 @@ def _gains(
     joint = product(kept, Table(table, (*own, OUTCOME)), (BELIEF, *properties, OUTCOME)).values
     joint = joint.reshape(len(joints), -1, table.shape[-1])
     outcome, states, total = joint.sum(axis=1), joint.sum(axis=2), joint.sum(axis=(1, 2))
-    nats = _p_log_p(joint).sum(axis=(1, 2)) - _p_log_p(outcome).sum(axis=1) - _p_log_p(states).sum(axis=1)
-    return np.asarray(nats + _p_log_p(total))
-
-
-def _p_log_p(p: Array) -> Array:
-    return np.asarray(p * np.log(np.maximum(p, TINY)))
+    nats = p_log_p(joint).sum(axis=(1, 2)) - p_log_p(outcome).sum(axis=1) - p_log_p(states).sum(axis=1)
+    return np.asarray(nats + p_log_p(total))

@@ -19,8 +19,8 @@ from typing import Any
 
 from palpate.recording.errors import RecordingError
 from palpate.recording.lock import Lock, locked
+from palpate.store.durable import sync_folder
 from palpate.store.errors import StoreError
-from palpate.store.importing.durable import sync_folder
 from palpate.store.importing.folder import FolderWriter, write_folder
 from palpate.store.importing.reading_folder import is_whole, read_folder, read_remainder
 from palpate.store.records import Recording

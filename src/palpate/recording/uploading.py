@@ -8,11 +8,11 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from palpate.client import Acknowledged, Receiver, RefusedError, UnreachableError
+from palpate.client import Receiver, RefusedError, UnreachableError
 from palpate.recording.spool import Spool
 from palpate.store.checks import check
 from palpate.store.errors import StoreError
-from palpate.store.records import Recording
+from palpate.store.records import Receipt, Recording
 
 __all__ = ["BackOff", "Sent", "upload"]
 
@@ -112,7 +112,7 @@ class _Trying:
     back_off: BackOff
     sleep: Callable[[float], object]
 
-    def put(self, recording: Recording) -> Acknowledged:
+    def put(self, recording: Recording) -> Receipt:
         for failures in range(1, self.back_off.attempts):
             try:
                 return self.receiver.put(recording)

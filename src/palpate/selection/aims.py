@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from palpate.inference.exact import ExactBelief
 from palpate.inference.tables import noise_nats
 from palpate.inference.tensors import Table
-from palpate.information import TINY
+from palpate.information import p_log_p
 from palpate.network.properties import CategoricalProperty
 from palpate.selection.objectives import Everything, Learn, Objective, Weighted
 
@@ -52,10 +52,10 @@ class _OfStates:
         joint = np.einsum("...zr,zry->...zy", split, self._tables[action], optimize=True)
         z = split.sum(axis=-1)
         return np.asarray(
-            _p_log_p(joint).sum(axis=(-2, -1))
-            - _p_log_p(joint.sum(axis=-2)).sum(axis=-1)
-            - _p_log_p(z).sum(axis=-1)
-            + _p_log_p(z.sum(axis=-1))
+            p_log_p(joint).sum(axis=(-2, -1))
+            - p_log_p(joint.sum(axis=-2)).sum(axis=-1)
+            - p_log_p(z).sum(axis=-1)
+            + p_log_p(z.sum(axis=-1))
         )
 
 
@@ -69,7 +69,7 @@ class _OfAll:
     def nats(self, weights: Array, action: str) -> Array:
         """From the probabilities of the outcome alone: the noise is the same whatever else was seen."""
         outcome = weights @ self._tables[action]
-        before = _p_log_p(weights.sum(axis=-1)) - _p_log_p(outcome).sum(axis=-1)
+        before = p_log_p(weights.sum(axis=-1)) - p_log_p(outcome).sum(axis=-1)
         return np.asarray(before - weights @ self._noise_nats[action])
 
 
@@ -114,7 +114,3 @@ def spread(table: Table, joint: Table) -> Array:
     shape = iter(values.shape)
     values = values.reshape([*(next(shape) if n in own else 1 for n in joint.names), *outcomes])
     return np.ascontiguousarray(np.broadcast_to(values, (*joint.values.shape, *outcomes)))
-
-
-def _p_log_p(p: Array) -> Array:
-    return np.asarray(p * np.log(np.maximum(p, TINY)))

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Protocol
 
 from palpate.store.content import file_digest
+from palpate.store.durable import sync_folder
 from palpate.store.errors import DamagedError
 
 __all__ = ["Blobs", "FolderBlobs"]
@@ -84,7 +85,7 @@ class FolderBlobs:
             draft.replace(path)
         finally:
             draft.unlink(missing_ok=True)
-        _flush_folder(path.parent)
+        sync_folder(path.parent)
 
     def get(self, digest: str) -> bytes:
         """The bytes of a digest, verified."""
@@ -134,13 +135,3 @@ def _pieces(data: bytes | Path) -> Iterator[bytes]:
     with data.open("rb") as opened:
         while piece := opened.read(1 << 20):
             yield piece
-
-
-def _flush_folder(folder: Path) -> None:
-    """Put the name of a new file on the disk, where the system can (Windows does it by itself)."""
-    if os.name == "posix":
-        handle = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)

@@ -25,6 +25,7 @@ __all__ = [
     "entry_plain",
     "file_digest",
     "layout_plain",
+    "pose_plain",
     "recording_digest",
     "setup_digest",
     "setup_plain",
@@ -87,8 +88,8 @@ def document(recording: Recording) -> str:
             "software": recording.software,
             "repository": recording.repository,
             "grasp": recording.grasp,
-            "gripper_pose": _pose_plain(recording.gripper_pose),
-            "object_pose": _pose_plain(recording.object_pose),
+            "gripper_pose": pose_plain(recording.gripper_pose),
+            "object_pose": pose_plain(recording.object_pose),
             "series": [_series_plain(series) for series in recording.series],
             "files": [_file_plain(item) for item in recording.files],
             "entries": [entry_plain(entry) for entry in recording.entries],
@@ -193,7 +194,8 @@ def _file_plain(item: FileItem) -> dict[str, Any]:
     return {"name": item.name, "media_type": item.media_type, "sha256": item.sha256}
 
 
-def _pose_plain(pose: Pose | None) -> dict[str, Any] | None:
+def pose_plain(pose: Pose | None) -> dict[str, Any] | None:
+    """A pose as it is kept; None where there is none."""
     if pose is None:
         return None
     turn = None if pose.quaternion is None else [float(part) for part in pose.quaternion]

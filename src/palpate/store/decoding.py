@@ -15,7 +15,7 @@ from palpate.store.entries import Entry
 from palpate.store.errors import DamagedError
 from palpate.store.records import Device, FileItem, Pose, Recording, Series, Setup, ThingRef
 
-__all__ = ["Stored", "entry_from", "recording_from", "setup_from", "thing_from"]
+__all__ = ["Stored", "entry_from", "pose_from", "recording_from", "setup_from", "thing_from"]
 
 CLASSES: Mapping[str, Callable[..., Entry]] = {kind: entry for entry, kind in KINDS.items()}
 
@@ -54,8 +54,8 @@ def recording_from(stored: Stored) -> Recording:
         thing=stored.thing,
         setup=stored.setup,
         visibility=stored.visibility,
-        gripper_pose=_pose_from(plain["gripper_pose"]),
-        object_pose=_pose_from(plain["object_pose"]),
+        gripper_pose=pose_from(plain["gripper_pose"]),
+        object_pose=pose_from(plain["object_pose"]),
         series=stored.series,
         files=tuple(
             FileItem(item["name"], item["media_type"], data)
@@ -90,7 +90,8 @@ def thing_from(plain: Mapping[str, Any]) -> ThingRef:
     return ThingRef(**{**plain, "aliases": tuple(plain["aliases"])})
 
 
-def _pose_from(plain: Mapping[str, Any] | None) -> Pose | None:
+def pose_from(plain: Mapping[str, Any] | None) -> Pose | None:
+    """A pose as `palpate.store.content.pose_plain` writes it; None where there is none."""
     if plain is None:
         return None
     turn = plain["quaternion"]

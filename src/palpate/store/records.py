@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from palpate.store.entries import Entry
 
-__all__ = ["Channel", "Device", "FileItem", "Pose", "Recording", "Series", "Setup", "ThingRef"]
+__all__ = ["Channel", "Device", "FileItem", "Pose", "Receipt", "Recording", "Series", "Setup", "ThingRef"]
 
 VISIBILITIES = ("private", "lab", "public")
 DEVICE_KINDS = ("arm", "gripper", "camera", "microphone", "other")
@@ -263,3 +263,12 @@ class Recording:
         from palpate.store.content import recording_digest
 
         return recording_digest(self)
+
+
+@dataclass(frozen=True)
+class Receipt:
+    """What became of a recording: under which id a store has it, and whether it was new there."""
+
+    id: UUID
+    digest: str
+    new: bool

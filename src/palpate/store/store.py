@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
 from uuid import UUID
@@ -19,11 +18,11 @@ from palpate.store.decoding import recording_from
 from palpate.store.errors import StoreError
 from palpate.store.fetching import fetch
 from palpate.store.inserting import insert_rows
-from palpate.store.records import Recording
+from palpate.store.records import Receipt, Recording
 from palpate.store.registry import Lookup, Registry, now_us
 from palpate.store.rows import Prepared, entry_rows, prepare
 
-__all__ = ["Receipt", "Store"]
+__all__ = ["Store"]
 
 ATTEMPTS = 5
 DEADLOCK = "40P01"
@@ -34,15 +33,6 @@ THERE = select(schema.recordings.c.uuid, schema.recordings.c.digest).where(
     | schema.recordings.c.uuid.in_(bindparam("ids", expanding=True))
 )
 TAKEN = "id: {} is that of another recording, expected an id of its own"
-
-
-@dataclass(frozen=True)
-class Receipt:
-    """What became of a recording: under which id it is in the store, and whether it was new there."""
-
-    id: UUID
-    digest: str
-    new: bool
 
 
 class Store:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.store.content import canonical_array, to_json
-from palpate.store.importing.durable import sync_tree
+from palpate.store.durable import sync_tree
 from palpate.store.importing.plain import FIELDS, encode, updated
 from palpate.store.records import FileItem, Recording, Series
 

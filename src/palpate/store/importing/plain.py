@@ -8,10 +8,10 @@ from datetime import datetime
 from typing import Any
 from uuid import UUID
 
-from palpate.store.content import entry_plain, setup_plain, thing_plain
-from palpate.store.decoding import entry_from, setup_from, thing_from
+from palpate.store.content import entry_plain, pose_plain, setup_plain, thing_plain
+from palpate.store.decoding import entry_from, pose_from, setup_from, thing_from
 from palpate.store.errors import StoreError
-from palpate.store.records import Pose, Recording
+from palpate.store.records import Recording
 
 __all__ = ["FIELDS", "decode", "encode", "updated"]
 
@@ -62,27 +62,13 @@ def _as_it_is(value: Any) -> Any:
     return value
 
 
-def _pose_plain(pose: Pose | None) -> dict[str, Any] | None:
-    if pose is None:
-        return None
-    quaternion = None if pose.quaternion is None else list(map(float, pose.quaternion))
-    return {**vars(pose), "translation_m": list(map(float, pose.translation_m)), "quaternion": quaternion}
-
-
-def _pose(plain: Any) -> Pose | None:
-    if plain is None:
-        return None
-    quaternion = None if plain["quaternion"] is None else tuple(plain["quaternion"])
-    return Pose(**{**plain, "translation_m": tuple(plain["translation_m"]), "quaternion": quaternion})
-
-
 _ENCODE: Mapping[str, Callable[[Any], Any]] = {
     "id": str,
     "recorded_at": datetime.isoformat,
     "thing": thing_plain,
     "setup": setup_plain,
-    "gripper_pose": _pose_plain,
-    "object_pose": _pose_plain,
+    "gripper_pose": pose_plain,
+    "object_pose": pose_plain,
     "entries": lambda entries: [entry_plain(entry) for entry in entries],
     "notices": list,
 }
@@ -91,8 +77,8 @@ _DECODE: Mapping[str, Callable[[Any], Any]] = {
     "recorded_at": datetime.fromisoformat,
     "thing": thing_from,
     "setup": setup_from,
-    "gripper_pose": _pose,
-    "object_pose": _pose,
+    "gripper_pose": pose_from,
+    "object_pose": pose_from,
     "entries": lambda plain: tuple(map(entry_from, plain)),
     "notices": tuple,
 }
