@@ -9,7 +9,8 @@ import pytest
 import palpate
 
 ROOT = Path(__file__).parents[2]
-PIN = re.compile(r"(?P<name>[a-z0-9-]+)==[0-9][0-9a-z.]*( ; [a-z_]+ [<>!=]+ '[A-Za-z0-9.]+')?")
+MARKER = "[a-z_]+ [<>!=]+ '[A-Za-z0-9.]+'"
+PIN = re.compile(rf"(?P<name>[a-z0-9-]+)==[0-9][0-9a-z.]*( ; {MARKER}( (and|or) {MARKER})*)?")
 
 
 def pinned(file: str) -> dict[str, str]:
