@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from palpate.cli.import_view import bar, counts_line, outcome_lines, report_lines
+from palpate.cli.terminal import console
 from palpate.errors import PalpateError
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def import_shown(
         if report_file is not None:
             report_file.write_text(json.dumps(report.plain(), indent=1) + "\n", encoding="utf-8")
     for line in report_lines(report):
-        print(line)
+        console().out(line)
     return report
 
 
@@ -62,4 +63,4 @@ def _import(store: Store, paths: Sequence[Path], formats: Sequence[Format], repo
             report.add(outcome)
             step()
             for line in outcome_lines(outcome) if verbose else ():
-                print(line)
+                console().out(line)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
 from palpate.store.errors import StoreError
 
-__all__ = ["parse_json", "read_json"]
+__all__ = ["finite", "parse_json", "read_json"]
 
 INT_DIGITS = 18
 """Whole numbers of more digits may not fit into 64 bits; they become floats."""
@@ -44,3 +45,18 @@ def read_json(path: Path) -> Any:
         raise StoreError(f"{path} cannot be read: {error.strerror or error}") from error
     except (ValueError, RecursionError) as error:
         raise StoreError(f"{path}: this is no readable JSON: {error}") from error
+
+
+def finite(value: Any) -> Any:
+    """A value with null in place of each number that JSON does not have.
+
+    Examples
+    --------
+    >>> finite({"mean": float("nan"), "values": [1.0, float("inf")]})
+    {'mean': None, 'values': [1.0, None]}
+    """
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {key: finite(item) for key, item in value.items()}
+    return [finite(item) for item in value] if isinstance(value, list) else value

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from palpate.errors import LogError
+from palpate.network.document import is_number
 from palpate.store.importing.upload_format import Conventions
 from palpate.store.records import DEVICE_KINDS, Channel, Device, Pose, Series, Setup, ThingRef
 
@@ -72,7 +73,7 @@ def pose_of(measurement: Mapping[str, Any], key: str, where: str, notices: list[
     if given is None:
         return None
     place = given.get("translation") if isinstance(given, Mapping) else None
-    if not isinstance(place, list) or len(place) != 3 or not all(isinstance(part, int | float) for part in place):
+    if not isinstance(place, list) or len(place) != 3 or not all(is_number(part) for part in place):
         raise LogError(f"{where}{key}: expected an object with a translation of three numbers")
     notices.append(
         f"{key} states no units and no frame: metres are assumed; its rotation has no convention and is kept as given"

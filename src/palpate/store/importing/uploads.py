@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path, PureWindowsPath
-from typing import Any
 
 from palpate.errors import LogError
 from palpate.store.checks import check
 from palpate.store.errors import StoreError
 from palpate.store.importing.items import Item, identified
+from palpate.store.importing.json_text import finite
 from palpate.store.importing.measurement_parts import grasp_of, pose_of, series_of, setup_of, thing_of
 from palpate.store.importing.paths import inside, media_type_of
 from palpate.store.importing.upload_entries import entries_in
@@ -110,13 +109,5 @@ def _file(dictionary: UploadDictionary, channel: str, name: str, notices: list[s
 
 def _original(dictionary: UploadDictionary) -> FileItem:
     """The entry as it was given, with null in place of what JSON does not have."""
-    text = json.dumps(_finite(dictionary.mapping("entry")), ensure_ascii=True, allow_nan=False, indent=1)
+    text = json.dumps(finite(dictionary.mapping("entry")), ensure_ascii=True, allow_nan=False, indent=1)
     return FileItem("entry.json", "application/json", text.encode())
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    return [_finite(item) for item in value] if isinstance(value, list) else value
