@@ -64,6 +64,18 @@ def test_decisions_are_printed_when_asked(run: Any, given: Path) -> None:
     assert "the time is" not in run("store", "import", given).out
 
 
+def test_a_column_map_is_given(run: Any, tmp_path: Path, place: Path) -> None:
+    """With --columns CSV files are imported; a map that is wrong is exit code 2 and no store."""
+    (tmp_path / "a.csv").write_text("force\n1\n2\n")
+    columns = tmp_path / "columns.toml"
+    columns.write_text("action = 'squeezing'\n[channels.force]\n[object]\ndataset = 'a'\n")
+    assert "expected one of id, column and pattern" in run("store", "import", tmp_path, "--columns", columns).refused
+    assert not place.exists()
+    columns.write_text(columns.read_text() + "id = 'b'\n")
+    done = run("store", "import", tmp_path / "a.csv", "--columns", columns)
+    assert (done.code, done.out) == (0, "1 new, 0 there already, 0 refused, 0 skipped\n")
+
+
 def test_what_cannot_begin_does_nothing(run: Any, given: Path, tmp_path: Path, place: Path) -> None:
     """A path that is not there, no path at all, or a report that cannot be written, is exit code 2 and no store."""
     assert "nowhere: no such file or folder" in run("store", "import", given, tmp_path / "nowhere").refused

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from palpate.store.importing.report import Report
     from palpate.store.store import Store
 
-__all__ = ["check_paths", "import_shown"]
+__all__ = ["check_paths", "formats_of", "import_shown"]
 
 
 def check_paths(paths: Sequence[Path], report: Path | None) -> None:
@@ -31,6 +31,14 @@ def check_paths(paths: Sequence[Path], report: Path | None) -> None:
         raise PalpateError(f"{report}: is a folder, expected the name of a file for the report")
     if report is not None and not report.absolute().parent.is_dir():
         raise PalpateError(f"{report}: there is no folder {report.absolute().parent}, expected one for the report")
+
+
+def formats_of(columns: Path | None) -> Sequence[Format]:
+    """All formats, with what the options say about some of them."""
+    from palpate.store.importing.formats import all_formats
+    from palpate.store.importing.reading_columns import read_columns
+
+    return all_formats(None if columns is None else read_columns(columns))
 
 
 def import_shown(

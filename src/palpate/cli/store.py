@@ -154,6 +154,9 @@ def export(
 @app.command("import")
 def import_(
     paths: Annotated[list[Path] | None, typer.Argument(metavar="[PATH]...", help="Files, or folders of them.")] = None,
+    columns: Annotated[
+        Path | None, typer.Option(help="What the columns of CSV files mean, in TOML; without it they are skipped.")
+    ] = None,
     report: Annotated[Path | None, typer.Option(help="Write what became of everything to this file as JSON.")] = None,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Print every decision on how a file was read.")
@@ -162,13 +165,13 @@ def import_(
     blobs: BlobsOption = None,
 ) -> None:
     """Put recordings from files into the store; what is there already stays as it is."""
-    from palpate.cli.importing import check_paths, import_shown
+    from palpate.cli.importing import check_paths, formats_of, import_shown
     from palpate.cli.storing import opened
-    from palpate.store.importing.formats import all_formats
     from palpate.store.importing.items import Fate
 
     wanted = list(paths or ())
     check_paths(wanted, report)
+    formats = formats_of(columns)
     with opened(place, blobs) as found:
-        done = import_shown(found, wanted, all_formats(), report_file=report, verbose=verbose)
+        done = import_shown(found, wanted, formats, report_file=report, verbose=verbose)
     raise typer.Exit(1 if done.count(Fate.REFUSED) else 0)
