@@ -76,6 +76,17 @@ def test_a_column_map_is_given(run: Any, tmp_path: Path, place: Path) -> None:
     assert (done.code, done.out) == (0, "1 new, 0 there already, 0 refused, 0 skipped\n")
 
 
+def test_the_example_is_shown(run: Any) -> None:
+    """The example shows the object, its setup, five measurements and what was odd about them."""
+    assert run("store", "import", "--example").out == "5 new, 0 there already, 0 refused, 0 skipped\n"
+    shown = " ".join(run("store", "show").out.split())
+    for text in ("5 recordings of 1 object", "011_banana", "robotiq_2f85", "mass 68.3 g", "the mean of elasticity is nan"):
+        assert text in shown
+    assert "what was odd" in shown
+    assert "holds grams and not a torque" in shown
+    assert run("store", "import", "--example").out == "0 new, 5 there already, 0 refused, 0 skipped\n"
+
+
 def test_what_cannot_begin_does_nothing(run: Any, given: Path, tmp_path: Path, place: Path) -> None:
     """A path that is not there, no path at all, or a report that cannot be written, is exit code 2 and no store."""
     assert "nowhere: no such file or folder" in run("store", "import", given, tmp_path / "nowhere").refused

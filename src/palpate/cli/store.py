@@ -154,6 +154,7 @@ def export(
 @app.command("import")
 def import_(
     paths: Annotated[list[Path] | None, typer.Argument(metavar="[PATH]...", help="Files, or folders of them.")] = None,
+    example: Annotated[bool, typer.Option("--example", help="Import the example that the package ships.")] = False,
     columns: Annotated[
         Path | None, typer.Option(help="What the columns of CSV files mean, in TOML; without it they are skipped.")
     ] = None,
@@ -168,8 +169,9 @@ def import_(
     from palpate.cli.importing import check_paths, formats_of, import_shown
     from palpate.cli.storing import opened
     from palpate.store.importing.items import Fate
+    from palpate.store.importing.own_formats import EXAMPLE
 
-    wanted = list(paths or ())
+    wanted = [*(paths or ()), *([EXAMPLE] if example else [])]
     check_paths(wanted, report)
     formats = formats_of(columns)
     with opened(place, blobs) as found:

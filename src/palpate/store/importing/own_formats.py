@@ -13,7 +13,10 @@ from palpate.store.importing.items import Item
 from palpate.store.importing.reading_folder import read_folder, stated_digest
 from palpate.store.reading_archive import archive_rows, stated_count
 
-__all__ = ["Archives", "RecordingFolders"]
+__all__ = ["EXAMPLE", "Archives", "RecordingFolders"]
+
+EXAMPLE = Path(__file__).parents[2] / "data" / "example_archive"
+"""An archive that the package ships: one session of a robot with one object."""
 
 DIGEST = re.compile("[0-9a-f]{64}")
 BEGINNING = 4096
