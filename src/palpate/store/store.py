@@ -15,7 +15,7 @@ from palpate.store.blobs import Blobs
 from palpate.store.checks import check
 from palpate.store.database import writing
 from palpate.store.decoding import recording_from
-from palpate.store.errors import StoreError
+from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.fetching import fetch
 from palpate.store.inserting import insert_rows, present_rows
 from palpate.store.records import Receipt, Recording
@@ -69,7 +69,7 @@ class Store:
         ------
         StoreError
             If it may not be kept (see `palpate.store.checks.check`), or its id belongs to another recording; nothing
-            is in the store then.
+            is in the store then. It is an `UnavailableError` where the database cannot be used.
         """
         return self.put_many([recording])[0]
 
@@ -86,6 +86,25 @@ class Store:
             check(recording)
         prepared = [prepare(recording, self.blobs) for recording in batch]
         return self._commit_or_again(prepared, ATTEMPTS)
+
+    def known(self, digests: Iterable[str]) -> set[str]:
+        """Which recordings of these digests are there.
+
+        Raises
+        ------
+        UnavailableError
+            If the database cannot be asked.
+        """
+        asked = [bytes.fromhex(digest) for digest in digests]
+        column, found = schema.recordings.c.digest, set[str]()
+        try:
+            with self.engine.connect() as connection:
+                for start in range(0, len(asked), CHUNK):
+                    rows = connection.execute(select(column).where(column.in_(asked[start : start + CHUNK])))
+                    found.update(digest.hex() for digest in rows.scalars())
+        except DatabaseError as error:
+            raise UnavailableError(f"store {self.engine.url!r}: {error.orig}") from None
+        return found
 
     def get(self, key: UUID | str) -> Recording:
         """A recording by its id or its digest, verified.
@@ -115,7 +134,7 @@ class Store:
             race = isinstance(error, driver.IntegrityError) or getattr(error, "sqlstate", None) == DEADLOCK
             if race and attempts > 1:
                 return self._commit_or_again(batch, attempts - 1)
-            raise StoreError(f"store {self.engine.url!r}: {error}; nothing was kept") from None
+            raise UnavailableError(f"store {self.engine.url!r}: {error}; nothing was kept") from None
 
     def _commit(self, batch: Sequence[Prepared]) -> list[Receipt]:
         """One transaction that puts what is not there yet."""
