@@ -24,7 +24,7 @@ from palpate.store.archive_rows import entries_schema, entry_row, recording_at, 
 from palpate.store.blobs import FolderBlobs
 from palpate.store.content import file_digest, to_json
 from palpate.store.decoding import recording_from
-from palpate.store.errors import DamagedError, StoreError
+from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.fetching import fetch, id_chunks
 from palpate.store.records import Recording
 from palpate.store.schema import recordings
@@ -131,7 +131,7 @@ def _put(store: Store, batch: Sequence[Recording], imported: Imported) -> None:
     """Put recordings at once; where one is refused, each by itself."""
     try:
         receipts = store.put_many(batch)
-    except DamagedError:
+    except (DamagedError, UnavailableError):
         raise
     except StoreError as error:
         if len(batch) > 1:

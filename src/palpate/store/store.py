@@ -15,9 +15,10 @@ from palpate.store.blobs import Blobs
 from palpate.store.checks import check
 from palpate.store.database import writing
 from palpate.store.decoding import recording_from
-from palpate.store.errors import StoreError
+from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.fetching import fetch
 from palpate.store.inserting import insert_rows
+from palpate.store.outages import patiently
 from palpate.store.records import Receipt, Recording
 from palpate.store.registry import Lookup, Registry, now_us
 from palpate.store.rows import Prepared, entry_rows, prepare
@@ -112,13 +113,13 @@ class Store:
 
     def _commit_or_again(self, batch: Sequence[Prepared], attempts: int) -> list[Receipt]:
         try:
-            return self._commit(batch)
+            return patiently(lambda: self._commit(batch))
         except DatabaseError as error:
             # somebody else has just put the same, and the next look finds it; or the two wait for each other
             race = isinstance(error, IntegrityError) or getattr(error.orig, "sqlstate", None) == DEADLOCK
             if race and attempts > 1:
                 return self._commit_or_again(batch, attempts - 1)
-            raise StoreError(f"store {self.engine.url!r}: {error.orig}; nothing was kept") from None
+            raise UnavailableError(f"store {self.engine.url!r}: {error.orig}; nothing was kept") from None
 
     def _commit(self, batch: Sequence[Prepared]) -> list[Receipt]:
         """One transaction that puts what is not there yet."""
