@@ -9,7 +9,7 @@ import pytest
 
 from palpate.store.blobs import Blobs, FolderBlobs
 from palpate.store.bucket import BucketBlobs
-from palpate.store.database import connect, migrate
+from palpate.store.database import connect
 
 POSTGRESQL = os.environ.get("PALPATE_TEST_POSTGRESQL")
 """Address of a PostgreSQL database that the tests may empty."""
@@ -50,9 +50,11 @@ def new_bucket(patch: pytest.MonkeyPatch) -> str:
 
 
 def emptied() -> str:
-    """The database for tests, without tables."""
+    """The database for tests, without tables, whatever a test that failed has left in it."""
     assert POSTGRESQL is not None
     engine = connect(POSTGRESQL)
-    migrate(engine, "base")
+    with engine.begin() as connection:
+        connection.exec_driver_sql("DROP SCHEMA public CASCADE")
+        connection.exec_driver_sql("CREATE SCHEMA public")
     engine.dispose()
     return POSTGRESQL

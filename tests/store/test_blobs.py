@@ -3,10 +3,9 @@ from pathlib import Path
 
 import pytest
 
-from palpate.store.blobs import Blobs
-from palpate.store.bucket import BucketBlobs
-from palpate.store.errors import DamagedError, StoreError
-from tests.store.places import S3, blobs_of, check_services, new_bucket
+from palpate.store.blobs import Blobs, FolderBlobs
+from palpate.store.errors import DamagedError, StoreError, UnavailableError
+from tests.store.places import blobs_of, check_services
 
 DATA = b"a picture"
 DIGEST = sha256(DATA).hexdigest()
@@ -61,31 +60,26 @@ def test_a_file_that_changed_is_not_kept(blobs: Blobs, tmp_path: Path) -> None:
     assert not [left for left in (tmp_path / "blobs").glob("*/*") if left.is_file()]
 
 
-@pytest.mark.parametrize("url", ["ftp://lab/blobs", "s3:/lab", "nonsense://x"])
-def test_other_addresses_are_an_error(url: str) -> None:
-    """What is no address of a bucket is told in one sentence."""
-    with pytest.raises(StoreError, match=r"blobs '.*'.*expected a bucket") as told:
-        BucketBlobs(url)
-    assert "\n" not in str(told.value)
+def test_only_blobs_are_listed(tmp_path: Path) -> None:
+    """What else lies in the folder is not told, as what is told and referred to by nothing is removed."""
+    blobs = FolderBlobs(tmp_path)
+    blobs.put(DIGEST, DATA)
+    (tmp_path / "ab").mkdir(exist_ok=True)
+    for name in ("ab/README", f"ab/{DIGEST[2:].upper()}", "notes.txt"):
+        (tmp_path / name).write_text("ours")
+    assert [digest for digest, _ in blobs.all()] == [DIGEST]
 
 
-def test_a_bucket_that_is_not_there_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Bytes cannot be put into a bucket that nobody made."""
-    check_services("s3")
-    new_bucket(monkeypatch)
-    blobs = BucketBlobs("s3://nobody-made-this/blobs")
-    with pytest.raises(StoreError, match="no such bucket"):
-        blobs.put(DIGEST, DATA)
-    with pytest.raises(StoreError, match="expected a bucket that answers"):
-        list(blobs.all())
+def test_a_folder_that_cannot_be_written_to_is_an_error(tmp_path: Path) -> None:
+    """Where there is a file in place of the folder, putting is refused in one sentence."""
+    (tmp_path / "blobs").write_text("a file")
+    with pytest.raises(UnavailableError, match=r"blobs '.*': (Not a directory|File exists), expected a folder"):
+        FolderBlobs(tmp_path / "blobs").put(DIGEST, DATA)
 
 
-def test_a_service_that_does_not_answer_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where nothing listens, each use is one sentence after some tries."""
-    check_services("s3")
-    new_bucket(monkeypatch)
-    monkeypatch.setenv("AWS_ENDPOINT_URL", "http://127.0.0.1:9")
-    with pytest.raises(StoreError, match="error sending request") as told:
-        BucketBlobs("s3://lab/blobs").get(DIGEST)
-    assert S3 is not None
-    assert "\n" not in str(told.value)
+def test_a_file_that_is_gone_is_named(tmp_path: Path) -> None:
+    """A file that was removed since it was looked at is named, and nothing is kept."""
+    blobs = FolderBlobs(tmp_path / "blobs")
+    with pytest.raises(StoreError, match=r"cam0.png: No such file or directory, expected a file that can be read"):
+        blobs.put(DIGEST, tmp_path / "cam0.png")
+    assert [path for path in blobs.folder.rglob("*") if path.is_file()] == []

@@ -18,6 +18,7 @@ from palpate.store.decoding import recording_from
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.fetching import fetch
 from palpate.store.inserting import insert_rows, present_rows
+from palpate.store.outages import patiently
 from palpate.store.records import Receipt, Recording
 from palpate.store.registry import Lookup, Registry, now_us
 from palpate.store.rows import Prepared, entry_rows, prepare
@@ -127,7 +128,7 @@ class Store:
         # statements of the hot path meet the driver's errors as they are, others wrapped
         driver = self.engine.dialect.loaded_dbapi
         try:
-            return self._commit(batch)
+            return patiently(lambda: self._commit(batch))
         except (DBAPIError, driver.Error) as found:
             error = found.orig if isinstance(found, DBAPIError) else found
             # somebody else has just put the same, and the next look finds it; or the two wait for each other
