@@ -1,33 +1,106 @@
-"""Inserting rows with statements that are worked out once."""
+"""The statements that putting a recording takes, worked out once and sent by the driver itself.
+
+SQLAlchemy takes longer to send a statement than SQLite takes to carry it out, and each recording needs several. What is
+here holds for plain types only, which need no conversion on their way to the driver and back. Errors are the driver's.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import lru_cache
+from operator import itemgetter
 from typing import Any
 
-from sqlalchemy import Connection, Table, insert
-from sqlalchemy.engine import Dialect
+from sqlalchemy import Engine, Table
+from sqlalchemy.engine.interfaces import DBAPICursor
 
-__all__ = ["insert_rows"]
+__all__ = ["Statements"]
+
+# SQLite takes so many parameters in one statement, and more
+CHUNK = 400
 
 
-def insert_rows(connection: Connection, table: Table, rows: Sequence[Mapping[str, Any]]) -> None:
-    """Insert rows that have a value for every column.
+class Statements:
+    """What is sent to one database.
 
-    Building a statement takes longer than SQLite takes to insert a row: here it is a string that is remembered. It
-    holds for plain types only, which need no conversion on their way to the driver.
+    Parameters
+    ----------
+    engine
+        Gives connections; others may use it at the same time.
     """
-    if not rows:
-        return
-    statement, order = _statement(table, connection.dialect)
-    values: list[Any] = [row if order is None else tuple(map(row.__getitem__, order)) for row in rows]
-    connection.exec_driver_sql(statement, values)
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self._is_postgresql = engine.dialect.name == "postgresql"
+
+    @contextmanager
+    def transaction(self) -> Iterator[DBAPICursor]:
+        """A transaction that writes; it is rolled back where the block raises."""
+        connection = self._engine.raw_connection()
+        try:
+            cursor = connection.cursor()
+            if not self._is_postgresql:
+                # see `palpate.store.database`: a writer says so at once
+                cursor.execute("BEGIN IMMEDIATE")
+            yield cursor
+            connection.commit()
+        except self._engine.dialect.loaded_dbapi.Error as error:
+            if self._engine.dialect.is_disconnect(error, connection, None):
+                connection.invalidate(error)
+            raise
+        finally:
+            # what was not committed is rolled back before another gets the connection
+            connection.close()
+
+    def insert(self, cursor: DBAPICursor, table: Table, rows: Sequence[Mapping[str, Any]]) -> None:
+        """Insert rows that have a value for every column."""
+        if not rows:
+            return
+        statement, values_of = _insert(table, self._mark)
+        if len(rows) == 1:
+            cursor.execute(statement, values_of(rows[0]))
+        else:
+            cursor.executemany(statement, [values_of(row) for row in rows])
+
+    def present(
+        self, cursor: DBAPICursor, digests: Sequence[bytes], ids: Sequence[bytes]
+    ) -> Iterator[tuple[bytes, bytes]]:
+        """Id and digest of each recording that has one of these digests or one of these ids, as many of each."""
+        for start in range(0, len(digests), CHUNK):
+            part = (*digests[start : start + CHUNK], *ids[start : start + CHUNK])
+            cursor.execute(_present(len(part) // 2, self._mark), part)
+            yield from cursor.fetchall()
+
+    def new_ids(self, cursor: DBAPICursor, count: int) -> Sequence[int]:
+        """Row numbers for recordings, known before they are inserted, so that all their rows go in at once."""
+        if self._is_postgresql:
+            # a sequence is safe while others insert
+            cursor.execute("SELECT nextval('recordings_id_seq') FROM generate_series(1, %s)", (count,))
+            return [row for (row,) in cursor.fetchall()]
+        # in SQLite there is one writer at a time
+        cursor.execute("SELECT max(id) FROM recordings")
+        ((last,),) = cursor.fetchall()
+        return range((last or 0) + 1, (last or 0) + 1 + count)
+
+    @property
+    def _mark(self) -> str:
+        return "%s" if self._is_postgresql else "?"
 
 
 @lru_cache(maxsize=64)
-def _statement(table: Table, dialect: Dialect) -> tuple[str, Sequence[str] | None]:
-    """The statement, and the order of its parameters where they have no names."""
-    compiled = insert(table).compile(dialect=dialect, column_keys=[column.name for column in table.columns])
-    order = getattr(compiled, "positiontup", None)
-    return str(compiled), order
+def _insert(table: Table, mark: str) -> tuple[str, Callable[[Mapping[str, Any]], Any]]:
+    """The statement, and what takes its parameters from a row."""
+    names = [column.name for column in table.columns]
+    columns = ", ".join(f'"{name}"' for name in names)
+    return f"INSERT INTO {table.name} ({columns}) VALUES ({_marks(len(names), mark)})", itemgetter(*names)
+
+
+@lru_cache(maxsize=64)
+def _present(count: int, mark: str) -> str:
+    marks = _marks(count, mark)
+    return f"SELECT uuid, digest FROM recordings WHERE digest IN ({marks}) OR uuid IN ({marks})"
+
+
+def _marks(count: int, mark: str) -> str:
+    return ", ".join([mark] * count)
