@@ -9,6 +9,7 @@ from hypothesis.extra import numpy as npst
 
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
 from palpate.store.records import Channel, Device, FileItem, Pose, Recording, Series, Setup, ThingRef
+from palpate.store.signals import QUANTITIES
 
 START = datetime(2024, 5, 1, 12, tzinfo=UTC)
 GRIPPER = Device("gripper", "two_finger", maker="somebody", parameters={"stroke_mm": 85})
@@ -42,6 +43,8 @@ json_values = st.recursive(
     max_leaves=6,
 )
 attributes = st.dictionaries(names, json_values, max_size=3)
+# a quantity of one dimension would ask for units of that dimension
+quantities = names.filter(lambda name: name not in QUANTITIES)
 units = st.sampled_from(["g", "kPa", "dimensionless", None])
 dtypes = st.sampled_from(["<f8", ">f8", "<f4", "<f2", "<i8", ">i2", "|u1", "|b1"])
 
@@ -52,7 +55,7 @@ def channels(draw: st.DrawFn, name: str) -> Channel:
     shape = (count, *draw(st.lists(st.integers(0, 3), max_size=2)))
     values = draw(npst.arrays(np.dtype(draw(dtypes)), shape))
     time_s = draw(npst.arrays(np.float64, (count,), elements=finite))
-    return Channel(name, draw(names), draw(units), values, draw(st.none() | st.just(100.0)), time_s)
+    return Channel(name, draw(quantities), draw(units), values, draw(st.none() | st.just(100.0)), time_s)
 
 
 @st.composite

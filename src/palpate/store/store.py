@@ -116,7 +116,8 @@ class Store:
             race = isinstance(error, driver.IntegrityError) or getattr(error, "sqlstate", None) == DEADLOCK
             if race and attempts > 1:
                 return self._commit_or_again(batch, attempts - 1)
-            raise StoreError(f"store {self.engine.url!r}: {error}; nothing was kept") from None
+            # PostgreSQL's messages have several lines
+            raise StoreError(f"store {self.engine.url!r}: {' '.join(str(error).split())}; nothing was kept") from None
 
     def _commit(self, batch: Sequence[Prepared]) -> list[Receipt]:
         """One transaction that puts what is not there yet."""
