@@ -75,11 +75,15 @@ class Lookup:
                 continue
             if (entry.property, entry.unit) in self.registry.admitted | self.admitted:
                 continue
-            known = self._unit(entry.property)
-            check_unit(f"entries[{place}].unit", entry.unit, known)
-            if known is None:
-                self.connection.execute(insert(schema.properties), {"name": entry.property, "unit": entry.unit})
-            self.admitted.add((entry.property, entry.unit))
+            self.admit_unit(f"entries[{place}].unit", entry.property, entry.unit)
+
+    def admit_unit(self, where: str, name: str, unit: str) -> None:
+        """Refuse a unit of another dimension than a property was first given in; StoreError begins with `where`."""
+        known = self._unit(name)
+        check_unit(where, unit, known)
+        if known is None:
+            self.connection.execute(insert(schema.properties), {"name": name, "unit": unit})
+        self.admitted.add((name, unit))
 
     def _unit(self, name: str) -> str | None:
         table = schema.properties.c
@@ -120,14 +124,15 @@ class Lookup:
 
     def _make_thing(self, thing: ThingRef) -> int:
         table = schema.things
-        there = select(table).where(table.c.dataset == thing.dataset, table.c.name == thing.id)
+        # nobody else may change the description until this one is written
+        there = select(table).where(table.c.dataset == thing.dataset, table.c.name == thing.id).with_for_update()
         found = self.connection.execute(there).mappings().first()
         if found is None:
-            return self._insert(table, {"dataset": thing.dataset, "name": thing.id, **_thing_row(thing)})
+            return self._insert(table, {"dataset": thing.dataset, "name": thing.id, **thing_row(thing)})
         known = thing_of(found)
         joined = joined_things(known, thing)
         if joined != known:
-            self.connection.execute(update(table).where(table.c.id == found["id"]).values(**_thing_row(joined)))
+            self.connection.execute(update(table).where(table.c.id == found["id"]).values(**thing_row(joined)))
         contradicted = contradictions(known, thing)
         if contradicted:
             row = {"at_us": now_us(), "what": "described otherwise", "thing_id": found["id"]}
@@ -173,7 +178,8 @@ def contradictions(known: ThingRef, other: ThingRef) -> dict[str, Any]:
     return found
 
 
-def _thing_row(thing: ThingRef) -> dict[str, Any]:
+def thing_row(thing: ThingRef) -> dict[str, Any]:
+    """What the tables hold of a description."""
     return {
         "maker": thing.maker,
         "common_name": thing.common_name,
