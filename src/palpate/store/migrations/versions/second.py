@@ -26,26 +26,26 @@ def upgrade() -> None:
     op.add_column("episodes", sa.Column("visibility", sa.String(), nullable=False, server_default="private"))
     op.add_column("episodes", sa.Column("actions", sa.Integer(), nullable=False, server_default="0"))
     op.add_column("episodes", sa.Column("stop", sa.Text()))
-    op.drop_index("ix_episodes_started_us", table_name="episodes")
-    op.drop_index("ix_episodes_thing_id", table_name="episodes")
-    op.create_index("ix_episodes_started_us_episodes_id", "episodes", ["started_us", "id"])
+    op.drop_index(op.f("ix_episodes_started_us"), table_name="episodes")
+    op.drop_index(op.f("ix_episodes_thing_id"), table_name="episodes")
+    op.create_index(op.f("ix_episodes_started_us_episodes_id"), "episodes", ["started_us", "id"])
     op.create_index(
-        "ix_episodes_thing_id_episodes_started_us_episodes_id", "episodes", ["thing_id", "started_us", "id"]
+        op.f("ix_episodes_thing_id_episodes_started_us_episodes_id"), "episodes", ["thing_id", "started_us", "id"]
     )
 
 
 def downgrade() -> None:
     """Remove the columns."""
-    op.drop_index("ix_episodes_thing_id_episodes_started_us_episodes_id", table_name="episodes")
-    op.drop_index("ix_episodes_started_us_episodes_id", table_name="episodes")
-    op.create_index("ix_episodes_thing_id", "episodes", ["thing_id"])
-    op.create_index("ix_episodes_started_us", "episodes", ["started_us"])
+    op.drop_index(op.f("ix_episodes_thing_id_episodes_started_us_episodes_id"), table_name="episodes")
+    op.drop_index(op.f("ix_episodes_started_us_episodes_id"), table_name="episodes")
+    op.create_index(op.f("ix_episodes_thing_id"), "episodes", ["thing_id"])
+    op.create_index(op.f("ix_episodes_started_us"), "episodes", ["started_us"])
     for name in ("stop", "actions", "visibility", "owner"):
         op.drop_column("episodes", name)
     op.drop_column("audit", "undone_by")
-    op.drop_index(BY_LABEL, table_name="thing_properties", sqlite_where=LABELLED, postgresql_where=LABELLED)
+    op.drop_index(op.f(BY_LABEL), table_name="thing_properties", sqlite_where=LABELLED, postgresql_where=LABELLED)
     with op.batch_alter_table("thing_properties") as table:
-        table.drop_constraint(ONE_OF_A_SOURCE, type_="unique")
+        table.drop_constraint(op.f(ONE_OF_A_SOURCE), type_="unique")
         table.alter_column("source", existing_type=sa.String(), type_=sa.Text(), nullable=True)
         table.drop_column("label")
 
@@ -55,9 +55,9 @@ def _known_properties_up() -> None:
     _fill()
     with op.batch_alter_table("thing_properties") as table:
         table.alter_column("source", existing_type=sa.Text(), type_=sa.String(), nullable=False)
-        table.create_unique_constraint(ONE_OF_A_SOURCE, ["thing_id", "property", "source"])
+        table.create_unique_constraint(op.f(ONE_OF_A_SOURCE), ["thing_id", "property", "source"])
     op.create_index(
-        BY_LABEL,
+        op.f(BY_LABEL),
         "thing_properties",
         ["property", "label", "thing_id"],
         sqlite_where=LABELLED,
