@@ -7,18 +7,12 @@ from typing import Annotated
 
 import typer
 
+from palpate.cli.store_options import BlobsOption, StoreOption
+
 __all__ = ["app"]
 
 app = typer.Typer(help="Show, list, verify, repair, export or import measurements.")
 
-StoreOption = Annotated[
-    str | None,
-    typer.Option("--store", help="SQLite file or postgresql+psycopg://... (default: PALPATE_STORE, or your own)."),
-]
-BlobsOption = Annotated[
-    str | None,
-    typer.Option("--blobs", help="Folder or s3://... for large bytes (default: PALPATE_BLOBS, or beside the file)."),
-]
 WHICH, HOW = "Which recordings", "How they are listed"
 
 

@@ -27,7 +27,7 @@ class Filter:
     Attributes
     ----------
     thing
-        Object: its name in its dataset, its common name or an alias; objects merged into it count.
+        Object: its name in its dataset, its common name, an alias, or ``DATASET/NAME``; objects merged into it count.
     dataset, action, owner
         As recorded.
     property
@@ -161,10 +161,11 @@ def things_named(name: str | None, dataset: str | None) -> Select[tuple[int]]:
 
 
 def called(name: str) -> ColumnElement[bool]:
-    """The condition on `schema.things` that one has a name: in its dataset, in common, or as an alias."""
+    """The condition on `schema.things` that one is called so: in its dataset, in common, by alias or by its path."""
     columns = schema.things.c
     alias = columns.aliases.contains(json.dumps(name, ensure_ascii=False), autoescape=True)
-    return or_(columns.name == name, columns.common_name == name, alias)
+    path = columns.dataset + "/" + columns.name
+    return or_(columns.name == name, columns.common_name == name, alias, path == name)
 
 
 def things_known(name: str, label: str) -> Select[tuple[int]]:

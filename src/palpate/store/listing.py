@@ -22,7 +22,7 @@ from palpate.store.store import Store
 if TYPE_CHECKING:
     import pyarrow
 
-__all__ = ["Listed", "Page", "list_recordings", "to_arrow"]
+__all__ = ["Listed", "Page", "ids_matching", "list_recordings", "to_arrow"]
 
 
 @dataclass(frozen=True)
@@ -81,6 +81,17 @@ def list_recordings(
         rows = connection.execute(asked).mappings().all()
     end = Cursor(sort, rows[-1][sort.column], rows[-1]["id"]) if len(rows) == limit and rows else None
     return Page(tuple(_listed(row) for row in rows), None if end is None else str(end))
+
+
+def ids_matching(store: Store, wanted: Filter, sort: Sort | None = None) -> list[UUID]:
+    """Ids of all recordings that match, in order."""
+    sort = sort or Sort()
+    found = matching(wanted, sort, None, None).subquery()
+    columns = schema.recordings.c
+    asked = select(columns.uuid).join(found, found.c.id == columns.id)
+    with store.engine.connect() as connection:
+        rows = connection.scalars(_ordered(asked, columns[sort.column], columns.id, sort, None))
+        return [UUID(bytes=uuid) for uuid in rows]
 
 
 def matching(wanted: Filter, sort: Sort, after: Cursor | None, limit: int | None) -> Select[*tuple[Any, ...]]:

@@ -111,7 +111,7 @@ def find_thing(store: Store, name: str) -> Thing:
         If there is none, or there are several.
     """
     with store.engine.connect() as connection:
-        found = list(things_where(connection, path_or_name(name)))
+        found = list(things_where(connection, called(name)))
         counted = {(head.dataset, head.id): head for head in (thing.merged_into or thing.ref for thing in found)}
         if len(found) > 1 and len(counted) == 1:
             (head,) = counted.values()
@@ -124,12 +124,6 @@ def find_thing(store: Store, name: str) -> Thing:
     raise StoreError(
         f"object {name!r}: is not in the store{near(name, paths)}, expected one of `palpate store objects`"
     )
-
-
-def path_or_name(text: str) -> ColumnElement[bool]:
-    """The condition on `schema.things` that one is called so."""
-    columns = schema.things.c
-    return or_(columns.dataset + "/" + columns.name == text, called(text))
 
 
 def is_thing(thing: ThingRef) -> ColumnElement[bool]:

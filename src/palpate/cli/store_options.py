@@ -1,0 +1,28 @@
+"""Options of the commands that open a store."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+__all__ = ["BlobsOption", "StoreOption"]
+
+PLACE = "The store"
+
+StoreOption = Annotated[
+    str | None,
+    typer.Option(
+        "--store",
+        help="SQLite file or postgresql+psycopg://... (default: PALPATE_STORE, or your own).",
+        rich_help_panel=PLACE,
+    ),
+]
+BlobsOption = Annotated[
+    str | None,
+    typer.Option(
+        "--blobs",
+        help="Folder or s3://... for large bytes (default: PALPATE_BLOBS, or beside the file).",
+        rich_help_panel=PLACE,
+    ),
+]
