@@ -113,6 +113,8 @@ def _import_archive(store: Store, path: Path) -> int:
     for reason in imported.refused:
         print(f"refused: {reason}")
     print(f"{path}: {imported.new} new, {imported.known} there already, {len(imported.refused)} refused")
+    if imported.episodes:
+        print(f"{path}: {plural(imported.episodes, 'new episode')}")
     return len(imported.refused)
 
 

@@ -6,6 +6,8 @@
     One row for each recording: what was hashed, what it refers to, and its raw signals, compressed.
 ``entries.parquet``
     One row for each result, for queries; an import does without.
+``objects.parquet``, ``episodes.parquet``
+    What is said and known of each object; the lines of each exploration. An archive may lack them.
 ``blobs/``
     Files, under their SHA-256.
 """
@@ -20,12 +22,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from palpate.store.archive_episodes import EPISODES, read_episodes, write_episodes
 from palpate.store.archive_rows import entries_schema, entry_row, recording_at, recording_row, recordings_schema
+from palpate.store.archive_things import OBJECTS, import_things, write_things
 from palpate.store.blobs import FolderBlobs
 from palpate.store.content import file_digest, to_json
 from palpate.store.decoding import recording_from
 from palpate.store.errors import DamagedError, StoreError
 from palpate.store.fetching import fetch, id_chunks
+from palpate.store.keeping_episodes import put_episode
 from palpate.store.records import Recording
 from palpate.store.schema import recordings
 from palpate.store.store import Store
@@ -39,19 +44,21 @@ __all__ = ["Imported", "export_archive", "import_archive", "read_archive"]
 VERSION = 1
 AT_ONCE = 200
 TABLES = ("entries.parquet", "recordings.parquet")
+MORE_TABLES = (EPISODES, OBJECTS)
 
 
 @dataclass
 class Imported:
-    """What became of the recordings of an archive."""
+    """What became of the recordings of an archive, of its episodes, and of what it says of objects."""
 
     new: int = 0
     known: int = 0
     refused: list[str] = field(default_factory=list)
+    episodes: int = 0
 
 
 def export_archive(store: Store, folder: Path) -> int:
-    """Write all recordings of a store as an archive.
+    """Write all recordings of a store as an archive, with its objects and episodes.
 
     The archive appears whole or not at all: it is written beside and renamed.
 
@@ -88,7 +95,7 @@ def export_archive(store: Store, folder: Path) -> int:
 
 
 def import_archive(store: Store, folder: Path) -> Imported:
-    """Put all recordings of an archive into a store; those that are there already stay as they are.
+    """Put all that an archive holds into a store; what is there already stays as it is.
 
     Raises
     ------
@@ -105,6 +112,10 @@ def import_archive(store: Store, folder: Path) -> Imported:
             _put(store, batch, imported)
             batch = []
     _put(store, batch, imported)
+    if (folder / OBJECTS).is_file():
+        imported.refused += import_things(store, folder)
+    if (folder / EPISODES).is_file():
+        _put_episodes(store, folder, imported)
     return imported
 
 
@@ -144,6 +155,14 @@ def _put(store: Store, batch: Sequence[Recording], imported: Imported) -> None:
     imported.known += sum(not receipt.new for receipt in receipts)
 
 
+def _put_episodes(store: Store, folder: Path, imported: Imported) -> None:
+    for episode in read_episodes(folder):
+        try:
+            imported.episodes += put_episode(store, episode).new
+        except StoreError as error:
+            imported.refused.append(f"episode {episode.id}: {error}")
+
+
 def _write(store: Store, folder: Path) -> int:
     from pyarrow.parquet import ParquetWriter
 
@@ -161,7 +180,9 @@ def _write(store: Store, folder: Path) -> int:
             for item in (item for recording in batch for item in recording.files):
                 kept.put(item.sha256, item.data)
             count += len(batch)
-    digests = {name: file_digest(folder / name) for name in TABLES}
+        write_things(connection, store.blobs, folder, kept)
+        write_episodes(connection, folder)
+    digests = {name: file_digest(folder / name) for name in (*TABLES, *MORE_TABLES)}
     manifest = {"format": "palpate archive", "version": VERSION, "recordings": count, "sha256": digests}
     (folder / "manifest.json").write_text(to_json(manifest) + "\n", encoding="utf-8")
     return count
@@ -178,13 +199,17 @@ def _check_manifest(folder: Path) -> None:
     path = folder / "manifest.json"
     try:
         manifest = json.loads(path.read_text(encoding="utf-8"))
-        version, digests = manifest["version"], {name: manifest["sha256"][name] for name in TABLES}
+        version, written = manifest["version"], manifest["sha256"]
+        digests = {name: written[name] for name in (*TABLES, *(name for name in MORE_TABLES if name in written))}
     except FileNotFoundError:
         raise StoreError(f"{path}: is missing, expected the folder of an archive") from None
     except (ValueError, TypeError, KeyError):
         raise StoreError(f"{path}: cannot be read, expected the manifest of an archive") from None
     if version != VERSION:
         raise StoreError(f"{path}: version {version!r}, expected {VERSION}: update palpate")
+    for name in MORE_TABLES:
+        if name not in digests and (folder / name).exists():
+            raise DamagedError(f"{folder / name}: is not among the files of {path.name}")
     for name, digest in digests.items():
         if not (folder / name).is_file() or file_digest(folder / name) != digest:
             raise DamagedError(f"{folder / name}: is missing or not the file that was written with {path.name}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 from uuid import UUID
 
@@ -23,6 +23,7 @@ __all__ = ["get_episode", "put_episode"]
 
 ATTEMPTS = 3
 CHUNK = 400
+AT_ONCE = 50
 Row = Mapping[Any, Any]
 
 
@@ -67,6 +68,21 @@ def get_episode(store: Store, key: UUID | str) -> StoredEpisode:
         if row is None:
             raise StoreError(f"episode {key}: is not in the store")
         return stored_episode(row, documents_of(connection, row["id"]))
+
+
+def all_episodes(connection: Connection) -> Iterator[StoredEpisode]:
+    """Every episode, in the order in which they came, verified."""
+    columns, last = schema.episodes.c, 0
+    while rows := episode_rows(connection, columns.id.in_(next_ids(connection, last))):
+        for row in rows:
+            yield stored_episode(row, documents_of(connection, row["id"]))
+        last = rows[-1]["id"]
+
+
+def next_ids(connection: Connection, last: int) -> list[int]:
+    """Some row numbers of episodes after a given one."""
+    column = schema.episodes.c.id
+    return list(connection.scalars(select(column).where(column > last).order_by(column).limit(AT_ONCE)))
 
 
 def _heads() -> Any:

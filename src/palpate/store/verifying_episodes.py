@@ -21,6 +21,7 @@ from palpate.store.keeping_episodes import (
     episode_rows,
     get_episode,
     head_columns,
+    next_ids,
     recordings_of,
     stored_episode,
 )
@@ -29,13 +30,11 @@ from palpate.store.store import Store
 
 __all__ = ["episode_faults", "known_faults", "mend_episode"]
 
-AT_ONCE = 50
-
 
 def episode_faults(connection: Connection) -> Iterator[tuple[str, str, bool]]:
     """Episodes that are not what was put: where, what was found, and whether it can be made again."""
     columns, last = schema.episodes.c, 0
-    while rows := episode_rows(connection, columns.id.in_(_next(connection, last))):
+    while rows := episode_rows(connection, columns.id.in_(next_ids(connection, last))):
         for row in rows:
             yield from _faults(connection, row)
         last = rows[-1]["id"]
@@ -68,11 +67,6 @@ def mend_episode(store: Store, key: UUID) -> None:
             here = (steps.c.episode_id == row) & (steps.c.position == place)
             link = links.get(step.recording or "")
             connection.execute(update(steps).where(here).values(recording_id=link))
-
-
-def _next(connection: Connection, last: int) -> list[int]:
-    column = schema.episodes.c.id
-    return list(connection.scalars(select(column).where(column > last).order_by(column).limit(AT_ONCE)))
 
 
 def _faults(connection: Connection, row: Row) -> Iterator[tuple[str, str, bool]]:
