@@ -107,3 +107,16 @@ def import_(
     with opened(place, blobs) as found:
         refused = sum(import_path(found, path, verbose=verbose) for path in paths)
     raise typer.Exit(1 if refused else 0)
+
+
+@app.command("schema")
+def schema(
+    picture: Annotated[Path, typer.Argument(metavar="PICTURE", help="The file to draw: .png, .svg or .pdf.")],
+) -> None:
+    """Draw the tables of a store, their columns, and which refer to which."""
+    from palpate.cli.files import check_picture, replacing
+    from palpate.figures.schema import draw_schema
+
+    check_picture("PICTURE", picture)
+    with replacing(picture) as draft:
+        draw_schema(draft)
