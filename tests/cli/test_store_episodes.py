@@ -80,6 +80,7 @@ def test_episodes_are_listed_and_shown(run: Any, place: Path, tmp_path: Path) ->
     assert not json.loads(run("store", "episodes", "--until", "2020-01-01", "--json").out)["episodes"]
     key, log = rows[0]["id"], tmp_path / "episode.jsonl"
     shown = run("store", "episode", key, "--log", log).out
+    assert "3 recordings of 2 objects and 3 episodes" in " ".join(run("store", "show").out.split())
     plain = json.loads(run("store", "episode", key, "--json").out)
     assert plain["steps"][0]["recording"][:12] in shown
     assert read_episode(log).recorded[0][0] == plain["steps"][0]["record"]["action"]
@@ -96,6 +97,7 @@ def test_episodes_are_listed_and_shown(run: Any, place: Path, tmp_path: Path) ->
         (("--robot", "replay", "--session", "store:mug"), "digest: found 'mug'"),
         (("--robot", "replay", "--session", f"store:{'0' * 32}"), "is not in the store"),
         (("ceramic_mug", "--session", "store"), "--session is only for --robot replay"),
+        (("ceramic_mug", "--store", "x.sqlite"), "--store and --blobs are for --record and --session store"),
         (("ceramic_mug", "--record", "--store", "mysql://x/y"), "PALPATE_BLOBS: is not set"),
     ],
 )

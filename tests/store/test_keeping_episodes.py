@@ -5,6 +5,8 @@ from typing import Any
 from uuid import uuid4
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from palpate.store.episodes import StoredEpisode
 from palpate.store.errors import DamagedError, StoreError
@@ -14,7 +16,7 @@ from palpate.store.merging import merge_things
 from palpate.store.records import ThingRef
 from palpate.store.store import Store
 from palpate.store.verifying import repair, verify
-from tests.store.made_up import made_episode, squeeze
+from tests.store.made_up import attributes, made_episode, squeeze
 
 RECORDINGS = [squeeze(number) for number in range(3)]
 
@@ -36,6 +38,20 @@ def test_an_episode_comes_back_as_it_was_put(filled: Store) -> None:
     again = put_episode(filled, replace(episode, id=uuid4(), visibility="public"))
     assert (again.id, again.new) == (episode.id, False)
     assert list(verify(filled)) == []
+
+
+@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
+@given(attributes, st.lists(attributes, max_size=3))
+def test_any_episode_comes_back(local: Store, header: dict[str, Any], told: list[dict[str, Any]]) -> None:
+    """Whatever JSON can hold may stand in the lines, and comes back under the same digest."""
+    episode = replace(made_episode(), header={**header, "format": "palpate-episode/1"})
+    for number, record in enumerate(told, 1):
+        plain = {name: value for name, value in record.items() if name != "stop"}
+        episode = episode.continued({**plain, "step": number, "action": "weighing"})
+    receipt = put_episode(local, episode)
+    found = get_episode(local, receipt.id)
+    assert (found.digest, found.records) == (episode.digest, episode.records)
+    assert list(verify(local)) == []
 
 
 def test_an_episode_grows(filled: Store) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from palpate.cli import options
 from palpate.cli.engines import engine_words, prior_belief
-from palpate.cli.replaying import replayed
+from palpate.cli.replaying import is_in_store, replayed
 from palpate.episode import About
 from palpate.errors import PalpateError, choices
 from palpate.inference.belief import Belief
@@ -107,6 +107,9 @@ def prepare(asked: Asked) -> Ready:
         raise PalpateError(
             f"--policy {asked.policy} looks ahead, which needs --engine exact, and {asked.engine} was found"
         )
+    in_store = asked.session is not None and is_in_store(asked.session)
+    if (asked.place or asked.blobs) and not (asked.record or in_store):
+        raise PalpateError("--store and --blobs are for --record and --session store, and neither was found")
     words = options.stopping_words(asked.stop, asked.budget_s, asked.steps)
     if asked.repeat and set(words.split(",")) == {"nothing-left"}:
         raise PalpateError(

@@ -14,7 +14,7 @@ from palpate.network.model import Network
 from palpate.robots.replay import ReplayRobot
 from palpate.robots.session import read_session, shipped_session
 
-__all__ = ["Replayed", "replayed"]
+__all__ = ["Replayed", "episode_key", "is_in_store", "replayed"]
 
 STORE, IN_STORE = "store", "store:"
 
@@ -55,6 +55,11 @@ def replayed(
     if thing not in (None, found.thing):
         raise PalpateError(f"{session} is of the object {found.thing!r}, expected one of {thing!r}")
     return found
+
+
+def is_in_store(session: str) -> bool:
+    """Whether ``--session`` asks for something in a store."""
+    return session == STORE or session.startswith(IN_STORE)
 
 
 def _from_file(path: Path) -> Replayed:
