@@ -125,7 +125,8 @@ def test_values_are_read_as_they_are_written(text: str, entry: Entry) -> None:
     assert entry_of("p", text) == entry
 
 
-def test_no_value_is_refused() -> None:
-    """An empty value is an error that shows what could be said."""
+@pytest.mark.parametrize("text", [" ", "nan g", "-inf"])
+def test_no_value_is_refused(text: str) -> None:
+    """An empty value, and a number that is none, is an error that shows what could be said."""
     with pytest.raises(PalpateError, match="choose from '118 g'"):
-        entry_of("p", " ")
+        entry_of("p", text)

@@ -53,7 +53,8 @@ def _entry(name: str, text: str) -> Entry:
     if found := re.fullmatch(rf"(above|below)\s+({NUMBER})\s*(.*)", text):
         end: dict[str, Any] = {found[1]: float(found[2])}
         return Bound(name, **end, unit=found[3].strip() or None)
-    if not text:
+    # a number that is none is no label either
+    if not text or re.match(r"[-+]?(nan|inf(inity)?)\b", text, re.IGNORECASE):
         raise PalpateError(f"VALUE: {text!r} was found; {choices(FORMS)}")
     return Distribution(name, _probabilities(text))
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from enum import Enum
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from palpate.cli.files import check_writable, replacing
 from palpate.errors import PalpateError
@@ -41,12 +40,10 @@ def check_output(form: Form, output: Path | None) -> None:
         check_writable("--output", output)
 
 
-def write_rows(found: pyarrow.Table | Iterable[dict[str, Any]], form: Form, output: Path | None) -> None:
+def write_rows(table: pyarrow.Table, form: Form, output: Path | None) -> None:
     """Write rows as CSV or Parquet."""
-    import pyarrow
     from pyarrow import csv, parquet
 
-    table = found if isinstance(found, pyarrow.Table) else pyarrow.Table.from_pylist(list(found))
     if form is Form.PARQUET and output is not None:
         with replacing(output) as draft:
             parquet.write_table(table, draft, compression="zstd")

@@ -87,13 +87,13 @@ def table(written: Written, place: Place) -> None:
     from palpate.cli.cells_view import cells_table
     from palpate.cli.rows import write_rows, write_text
     from palpate.cli.terminal import console
-    from palpate.store.summary import objects_by_properties
+    from palpate.store.summary import cells_to_arrow, objects_by_properties
 
     form = written.chosen
     with place.opened() as store:
         cells = objects_by_properties(store)
     if form.is_flat:
-        write_rows((dict(vars(cell)) for cell in cells), form, written.output)
+        write_rows(cells_to_arrow(cells), form, written.output)
     elif form is Form.JSON:
         write_text(json.dumps([vars(cell) for cell in cells], indent=1), written.output)
     else:
