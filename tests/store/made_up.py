@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
+from palpate.store.episodes import StoredEpisode
 from palpate.store.records import Channel, Device, FileItem, Pose, Recording, Series, Setup, ThingRef
 from palpate.store.signals import QUANTITIES
 
@@ -32,6 +33,17 @@ def squeeze(number: int = 0, **changes: Any) -> Recording:
         "entries": (Value("elasticity", 40.0 + number, 10.0, "kPa"),),
     }
     return Recording(**{**fields, **changes})
+
+
+def made_episode(*recordings: Recording, number: int = 0, stop: str | None = None, **changes: Any) -> StoredEpisode:
+    """An exploration with a step for each recording; another one for each number."""
+    header = {"format": "palpate-episode/1", "network": {"name": "household"}, "objective": "mass", "number": number}
+    fields: dict[str, Any] = {"started_at": START + timedelta(hours=number), "thing": ThingRef("made_up", "object0")}
+    episode = StoredEpisode(header=header, **{**fields, **changes})
+    for place, recording in enumerate(recordings, 1):
+        line = {"step": place, "action": recording.action, "outcome": {"action": recording.action, "value": 0.1}}
+        episode = episode.continued(line, recording.digest)
+    return episode if stop is None else episode.continued({"stop": stop})
 
 
 texts = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=8)

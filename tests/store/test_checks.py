@@ -44,6 +44,10 @@ REFUSED = [
     ({"thing": ThingRef("a", "b", aliases=("",))}, r"thing.aliases\[0\]: is empty"),
     ({"setup": Setup(arm=GRIPPER)}, "setup.arm.kind: found 'gripper', expected 'arm'"),
     ({"setup": Setup(other=(Device("hand", "x"),))}, r"setup.other\[0\].kind: found 'hand'"),
+    (
+        {"setup": Setup(other=(Device("other", "x", calibrated_on="soon"),))},
+        r"setup.other\[0\].calibrated_on: found 'soon'",
+    ),
     ({"grasp": {1: 2}}, "grasp: found the key 1"),
     ({"grasp": ENDLESS}, r"grasp\.in\.in\..*: is nested too deep, expected at most 100 levels"),
     ({"grasp": {"at": datetime(2024, 5, 1)}}, "grasp.at: found datetime"),

@@ -110,6 +110,14 @@ class Spool:
         unfinished.writer.close()
         unfinished.lock.leave()
 
+    def drop(self, unfinished: Unfinished) -> None:
+        """Remove a recording that was begun, as another one says the same."""
+        unfinished.writer.close()
+        try:
+            self._discard(unfinished.name, "open")
+        finally:
+            unfinished.lock.leave()
+
     def add(self, recording: Recording) -> str:
         """Put a whole recording among those that wait, and return its name there."""
         name = _name(recording)

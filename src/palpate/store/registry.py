@@ -67,7 +67,7 @@ class Registry:
             if not isinstance(entry, MEASURED) or entry.unit is None:
                 continue
             if (entry.property, entry.unit) not in self.admitted:
-                self._admit_unit(f"entries[{place}].unit", entry.property, entry.unit)
+                self.admit_unit(f"entries[{place}].unit", entry.property, entry.unit)
 
     def _new_layout(self, layout: str) -> int:
         raise NotRememberedError
@@ -78,7 +78,8 @@ class Registry:
     def _new_thing(self, thing: ThingRef) -> int:
         raise NotRememberedError
 
-    def _admit_unit(self, where: str, name: str, unit: str) -> None:
+    def admit_unit(self, where: str, name: str, unit: str) -> None:
+        """Refuse a unit of another dimension than a property was first given in; StoreError begins with `where`."""
         raise NotRememberedError
 
 
@@ -110,7 +111,8 @@ class Lookup(Registry):
         self.found[key] = row
         return row
 
-    def _admit_unit(self, where: str, name: str, unit: str) -> None:
+    def admit_unit(self, where: str, name: str, unit: str) -> None:
+        """Refuse a unit of another dimension than a property was first given in, and remember that of a new one."""
         if (name, unit) not in self.registry.admitted:
             known = self._unit(name)
             check_unit(where, unit, known)
@@ -151,14 +153,15 @@ class Lookup(Registry):
 
     def _make_thing(self, thing: ThingRef) -> int:
         table = schema.things
-        there = select(table).where(table.c.dataset == thing.dataset, table.c.name == thing.id)
+        # nobody else may change the description until this one is written
+        there = select(table).where(table.c.dataset == thing.dataset, table.c.name == thing.id).with_for_update()
         found = self.connection.execute(there).mappings().first()
         if found is None:
-            return self._insert(table, {"dataset": thing.dataset, "name": thing.id, **_thing_row(thing)})
+            return self._insert(table, {"dataset": thing.dataset, "name": thing.id, **thing_row(thing)})
         known = thing_of(found)
         joined = joined_things(known, thing)
         if joined != known:
-            self.connection.execute(update(table).where(table.c.id == found["id"]).values(**_thing_row(joined)))
+            self.connection.execute(update(table).where(table.c.id == found["id"]).values(**thing_row(joined)))
         contradicted = contradictions(known, thing)
         if contradicted:
             row = {"at_us": now_us(), "what": "described otherwise", "thing_id": found["id"]}
@@ -210,7 +213,8 @@ def contradictions(known: ThingRef, other: ThingRef) -> dict[str, Any]:
     return found
 
 
-def _thing_row(thing: ThingRef) -> dict[str, Any]:
+def thing_row(thing: ThingRef) -> dict[str, Any]:
+    """What the tables hold of a description."""
     return {
         "maker": thing.maker,
         "common_name": thing.common_name,
