@@ -13,8 +13,6 @@
 from __future__ import annotations
 
 import json
-import shutil
-import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,18 +21,18 @@ from typing import TYPE_CHECKING, Any
 from palpate.store.archive_rows import entries_schema, entry_row, recording_at, recording_row, recordings_schema
 from palpate.store.blobs import FolderBlobs
 from palpate.store.content import file_digest, to_json
-from palpate.store.decoding import recording_from
 from palpate.store.errors import DamagedError, StoreError
-from palpate.store.fetching import fetch, id_chunks
+from palpate.store.exporting.selection import Selection
+from palpate.store.exporting.writing import Told, Written, export
+from palpate.store.filters import Filter
 from palpate.store.records import Recording
-from palpate.store.schema import recordings
 from palpate.store.store import Store
 
 if TYPE_CHECKING:
     import pyarrow
     from pyarrow.parquet import ParquetWriter
 
-__all__ = ["Imported", "export_archive", "import_archive", "read_archive"]
+__all__ = ["Archive", "Imported", "export_archive", "import_archive", "read_archive"]
 
 VERSION = 1
 AT_ONCE = 200
@@ -50,8 +48,8 @@ class Imported:
     refused: list[str] = field(default_factory=list)
 
 
-def export_archive(store: Store, folder: Path) -> int:
-    """Write all recordings of a store as an archive.
+def export_archive(store: Store, folder: Path, wanted: Filter | None = None, told: Told = lambda done, of: None) -> int:
+    """Write recordings of a store as an archive.
 
     The archive appears whole or not at all: it is written beside and renamed.
 
@@ -61,6 +59,10 @@ def export_archive(store: Store, folder: Path) -> int:
         What to export.
     folder
         Must not exist yet.
+    wanted
+        Which recordings; all, unless given.
+    told
+        Is told how far it is.
 
     Returns
     -------
@@ -74,17 +76,16 @@ def export_archive(store: Store, folder: Path) -> int:
     DamagedError
         If a recording is not what was put into the store.
     """
-    if folder.exists():
-        raise StoreError(f"{folder}: exists already, expected the name of a new folder")
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    draft = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
-    try:
-        count = _write(store, draft)
-        draft.chmod(0o755)
-        draft.rename(folder)
-    finally:
-        shutil.rmtree(draft, ignore_errors=True)
-    return count
+    return export(store, Archive(), folder, wanted, told).recordings
+
+
+@dataclass(frozen=True)
+class Archive:
+    """The project's own archive, as a format of an export: what it holds can be imported whole."""
+
+    def write(self, selection: Selection, folder: Path, told: Told) -> Written:
+        """Write recordings, results, blobs and the manifest."""
+        return Written(_write(selection, folder, told))
 
 
 def import_archive(store: Store, folder: Path) -> Imported:
@@ -144,23 +145,22 @@ def _put(store: Store, batch: Sequence[Recording], imported: Imported) -> None:
     imported.known += sum(not receipt.new for receipt in receipts)
 
 
-def _write(store: Store, folder: Path) -> int:
+def _write(selection: Selection, folder: Path, told: Told) -> int:
     from pyarrow.parquet import ParquetWriter
 
-    kept, count = FolderBlobs(folder / "blobs"), 0
+    kept, count, of = FolderBlobs(folder / "blobs"), 0, selection.count()
     with (
-        store.engine.connect() as connection,
         ParquetWriter(folder / "recordings.parquet", recordings_schema(), compression="zstd") as heads,
         ParquetWriter(folder / "entries.parquet", entries_schema(), compression="zstd") as entries,
     ):
-        for ids in id_chunks(connection, AT_ONCE):
-            batch = [recording_from(stored) for stored in fetch(connection, store.blobs, recordings.c.id.in_(ids))]
+        for batch in selection.batches():
             _write_rows(heads, recordings_schema(), [recording_row(recording) for recording in batch])
             rows = [entry_row(recording, entry) for recording in batch for entry in recording.entries]
             _write_rows(entries, entries_schema(), rows)
             for item in (item for recording in batch for item in recording.files):
                 kept.put(item.sha256, item.data)
             count += len(batch)
+            told(count, of)
     digests = {name: file_digest(folder / name) for name in TABLES}
     manifest = {"format": "palpate archive", "version": VERSION, "recordings": count, "sha256": digests}
     (folder / "manifest.json").write_text(to_json(manifest) + "\n", encoding="utf-8")
