@@ -7,19 +7,15 @@ from typing import Annotated
 
 import typer
 
+from palpate.cli.export import export
+from palpate.cli.store_options import BlobsOption, StoreOption
+from palpate.cli.which import Which, selecting
+
 __all__ = ["app"]
 
 app = typer.Typer(help="Show, list, verify, repair, export or import measurements.")
 
-StoreOption = Annotated[
-    str | None,
-    typer.Option("--store", help="SQLite file or postgresql+psycopg://... (default: PALPATE_STORE, or your own)."),
-]
-BlobsOption = Annotated[
-    str | None,
-    typer.Option("--blobs", help="Folder or s3://... for large bytes (default: PALPATE_BLOBS, or beside the file)."),
-]
-WHICH, HOW = "Which recordings", "How they are listed"
+HOW = "How they are listed"
 
 
 @app.callback()
@@ -48,30 +44,9 @@ def show(
 
 
 @app.command("list")
+@selecting
 def list_(
-    thing: Annotated[
-        str | None, typer.Option("--object", help="Name, common name or alias.", rich_help_panel=WHICH)
-    ] = None,
-    dataset: Annotated[str | None, typer.Option(help="Dataset of the object.", rich_help_panel=WHICH)] = None,
-    action: Annotated[str | None, typer.Option(help="What the robot did.", rich_help_panel=WHICH)] = None,
-    property_: Annotated[
-        str | None, typer.Option("--property", help="What there is a result of.", rich_help_panel=WHICH)
-    ] = None,
-    label: Annotated[
-        list[str] | None,
-        typer.Option(help="PROPERTY=LABEL, the most probable one; may be repeated.", rich_help_panel=WHICH),
-    ] = None,
-    device: Annotated[str | None, typer.Option(help="Any device of the setup.", rich_help_panel=WHICH)] = None,
-    gripper: Annotated[str | None, typer.Option(help="Gripper of the setup.", rich_help_panel=WHICH)] = None,
-    setup: Annotated[str | None, typer.Option(help="Digest of the setup.", rich_help_panel=WHICH)] = None,
-    owner: Annotated[str | None, typer.Option(help="Whose they are.", rich_help_panel=WHICH)] = None,
-    since: Annotated[str | None, typer.Option(help="Recorded at this time or later.", rich_help_panel=WHICH)] = None,
-    until: Annotated[str | None, typer.Option(help="Recorded before this time.", rich_help_panel=WHICH)] = None,
-    truth: Annotated[
-        bool | None,
-        typer.Option("--ground-truth/--no-ground-truth", help="Known to be true, or not.", rich_help_panel=WHICH),
-    ] = None,
-    text: Annotated[str | None, typer.Option(help="Part of a name or notice.", rich_help_panel=WHICH)] = None,
+    which: Which,
     sort: Annotated[str, typer.Option(help="recorded, uploaded or action.", rich_help_panel=HOW)] = "recorded",
     ascending: Annotated[bool, typer.Option("--ascending", help="The first first.", rich_help_panel=HOW)] = False,
     limit: Annotated[int, typer.Option(min=1, max=10_000, help="Rows of a page.", rich_help_panel=HOW)] = 50,
@@ -82,28 +57,13 @@ def list_(
 ) -> None:
     """List recordings, the last ones first."""
     from palpate.cli.store_view import page_json, page_table
-    from palpate.cli.storing import labels_of, moment_of, opened
+    from palpate.cli.storing import opened
     from palpate.cli.terminal import console
-    from palpate.store.filters import Filter, Sort
+    from palpate.store.filters import Sort
     from palpate.store.listing import list_recordings
 
-    wanted = Filter(
-        thing=thing,
-        dataset=dataset,
-        action=action,
-        owner=owner,
-        property=property_,
-        labels=labels_of(label or []),
-        device=device,
-        gripper=gripper,
-        setup=setup,
-        since=moment_of("--since", since),
-        until=moment_of("--until", until),
-        ground_truth=truth,
-        text=text,
-    )
     with opened(place, blobs) as found:
-        page = list_recordings(found, wanted, Sort(sort, not ascending), limit=limit, cursor=cursor)
+        page = list_recordings(found, which.filter(), Sort(sort, not ascending), limit=limit, cursor=cursor)
     if as_json:
         print(page_json(page))
         return
@@ -135,20 +95,7 @@ def repair(place: StoreOption = None, blobs: BlobsOption = None) -> None:
     raise typer.Exit(1 if any(fault.remedy is None for fault in faults) else 0)
 
 
-@app.command("export")
-def export(
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder to make.")],
-    place: StoreOption = None,
-    blobs: BlobsOption = None,
-) -> None:
-    """Write all recordings as an archive: Parquet, blobs, and a manifest with digests."""
-    from palpate.cli.storing import opened
-    from palpate.figures.wording import plural
-    from palpate.store.archive import export_archive
-
-    with opened(place, blobs) as found:
-        count = export_archive(found, folder)
-    print(f"{folder}: {plural(count, 'recording')}")
+app.command("export")(export)
 
 
 @app.command("import")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from importlib.metadata import version
 from typing import Any
 
 import yaml
 
-from palpate import __version__
 from palpate.errors import plural
 from palpate.store.exporting.citation import PAPER_BIBTEX, summary_of
 from palpate.store.exporting.columns import Table
@@ -22,7 +22,7 @@ MOST_NOTICES = 20
 SIZES = ((1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K"), (1_000_000, "100K<n<1M"))
 
 
-def front_matter(data: Publication, tags: Iterable[str], configs: Mapping[str, str]) -> str:
+def front_matter(data: Publication, rows: int, tags: Iterable[str], configs: Mapping[str, str]) -> str:
     """What the Hub reads: licence, name, tags, size, and which files belong to which table."""
     plain: dict[str, Any] = {"license": data.licence.hub}
     if data.licence.hub == "other":
@@ -32,7 +32,7 @@ def front_matter(data: Publication, tags: Iterable[str], configs: Mapping[str, s
         "pretty_name": data.title,
         "task_categories": ["robotics"],
         "tags": ["palpate", "physical-properties", *tags],
-        "size_categories": [_size(data.census.recordings)],
+        "size_categories": [_size(rows)],
         "configs": [
             {"config_name": name, "data_files": [{"split": "train", "path": path}]}
             | ({"default": True} if name == first else {})
@@ -85,7 +85,7 @@ def quoting_part(data: Publication) -> str:
     parts.append(f"```bibtex\n{PAPER_BIBTEX}\n```")
     parts.append(
         f"Version {data.version} is made of the digests of all recordings (SHA-256 {data.census.digest}). "
-        f"Written by Palpate {__version__} on {data.released.isoformat()}."
+        f"Written by Palpate {version('palpate')} on {data.released.isoformat()}."
     )
     return "\n\n".join(parts)
 

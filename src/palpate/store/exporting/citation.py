@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from importlib.metadata import version
 from typing import Any
 
 import yaml
 
-from palpate import __version__
 from palpate.errors import plural
 from palpate.store.exporting.publication import Publication
 
@@ -107,6 +107,6 @@ def _software() -> Mapping[str, Any]:
         "type": "software",
         "title": "Palpate",
         "authors": [{"name": "The Palpate authors"}],
-        "version": __version__,
+        "version": version("palpate"),
         "license": "Apache-2.0",
     }

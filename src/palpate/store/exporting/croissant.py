@@ -38,11 +38,10 @@ CONTEXT: Mapping[str, Any] = {
 
 @dataclass(frozen=True)
 class Described:
-    """A table with its files; `pattern` names them where there are several."""
+    """A table with its files."""
 
     table: Table
     shards: Sequence[Shard]
-    pattern: str = "data/{name}-*.parquet"
 
 
 def croissant_file(data: Publication, tables: Iterable[Described], folder: Path) -> str:
@@ -76,13 +75,17 @@ def croissant_file(data: Publication, tables: Iterable[Described], folder: Path)
         "url": f"urn:sha256:{census.digest}",
         "keywords": keywords_of(data),
         "distribution": [part for one in found for part in _distribution(one, folder)],
-        "recordSet": [_record_set(one.table) for one in found],
+        "recordSet": [_record_set(one, folder) for one in found],
     }
     return json.dumps(plain, indent=1, ensure_ascii=False) + "\n"
 
 
+def _paths(one: Described, folder: Path) -> list[str]:
+    return [shard.path.relative_to(folder).as_posix() for shard in one.shards]
+
+
 def _distribution(one: Described, folder: Path) -> list[Mapping[str, Any]]:
-    paths = [shard.path.relative_to(folder).as_posix() for shard in one.shards]
+    paths = _paths(one, folder)
     files: list[Mapping[str, Any]] = [
         {
             "@type": "cr:FileObject",
@@ -95,30 +98,34 @@ def _distribution(one: Described, folder: Path) -> list[Mapping[str, Any]]:
         }
         for path, shard in zip(paths, one.shards, strict=True)
     ]
+    if len(files) == 1:
+        return files
+    # without containedIn, which leads into archives: the files are beside this one
     together = {
         "@type": "cr:FileSet",
-        "@id": _files_of(one.table),
-        "name": _files_of(one.table),
+        "@id": _together(one.table),
+        "name": _together(one.table),
         "description": f"the files of the table {one.table.name}",
-        "containedIn": [{"@id": path} for path in paths],
-        "includes": one.pattern.format(name=one.table.name),
+        "includes": paths,
         "encodingFormat": PARQUET,
     }
     return [*files, together]
 
 
-def _record_set(table: Table) -> Mapping[str, Any]:
+def _record_set(one: Described, folder: Path) -> Mapping[str, Any]:
+    table, paths = one.table, _paths(one, folder)
+    where = {"fileObject": {"@id": paths[0]}} if len(paths) == 1 else {"fileSet": {"@id": _together(table)}}
     return {
         "@type": "cr:RecordSet",
         "@id": table.name,
         "name": table.name,
         "description": f"Each row is {table.words}.",
-        "field": [_field(table, column) for column in table.columns],
+        "field": [_field(table, column, where) for column in table.columns],
     }
 
 
-def _field(table: Table, column: Column) -> Mapping[str, Any]:
-    source: dict[str, Any] = {"fileSet": {"@id": _files_of(table)}, "extract": {"column": column.name}}
+def _field(table: Table, column: Column, where: Mapping[str, Any]) -> Mapping[str, Any]:
+    source: dict[str, Any] = {**where, "extract": {"column": column.name}}
     if column.kind.inside is not None:
         source["transform"] = {"jsonPath": column.kind.inside}
     plain = {
@@ -132,5 +139,5 @@ def _field(table: Table, column: Column) -> Mapping[str, Any]:
     return {**plain, "repeated": True} if column.kind.many else plain
 
 
-def _files_of(table: Table) -> str:
-    return f"files of {table.name}"
+def _together(table: Table) -> str:
+    return f"{table.name}-files"

@@ -39,7 +39,7 @@ class HuggingFace:
         rows = {table: sum(shard.rows for shard in files) for table, files in shards.items()}
         configs = {table.name: f"data/{table.name}-*.parquet" for table in rows}
         parts = [
-            front_matter(data, [], configs),
+            front_matter(data, data.census.recordings, [], configs),
             f"# {cell(data.title)}",
             measured_part(data),
             contents_part(rows),

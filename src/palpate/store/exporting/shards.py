@@ -13,7 +13,7 @@ from pyarrow.parquet import ParquetWriter
 
 from palpate.store.content import file_digest
 
-__all__ = ["SHARD_BYTES", "Shard", "ShardWriter"]
+__all__ = ["GROUP_BYTES", "GROUP_ROWS", "SHARD_BYTES", "Shard", "ShardWriter"]
 
 SHARD_BYTES = 256 << 20
 GROUP_ROWS, GROUP_BYTES = 2000, 16 << 20
@@ -63,22 +63,20 @@ class ShardWriter:
             self._flush()
         self._end()
 
-    def write(self, parts: Iterable[pa.Table]) -> int:
-        """Add rows, which stay together in one file.
-
-        Returns
-        -------
-        int
-            The number of that file.
-        """
+    def begin(self) -> int:
+        """The number of the file that the next rows go to."""
         if self._file is not None and not self._waiting and self._file.tell() >= self.most_bytes:
             self._end()
+        return len(self.shards)
+
+    def write(self, parts: Iterable[pa.Table]) -> None:
+        """Add rows, which stay together in one file."""
+        self.begin()
         for part in parts:
             if part.num_rows:
                 self._waiting.append(part)
             if sum(each.num_rows for each in self._waiting) >= GROUP_ROWS or self._waiting_bytes() >= GROUP_BYTES:
                 self._flush()
-        return len(self.shards)
 
     def _waiting_bytes(self) -> int:
         return sum(part.nbytes for part in self._waiting)

@@ -48,7 +48,7 @@ def export(
     form
         How they are written: `palpate.store.archive.Archive`,
         `palpate.store.exporting.tables.Tables`, `palpate.store.exporting.hugging_face.HuggingFace` or
-        `palpate.store.exporting.lerobot.LeRobot`.
+        `palpate.store.exporting.lerobot.dataset.LeRobot`.
     folder
         Must not exist yet.
     wanted
