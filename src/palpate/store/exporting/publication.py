@@ -66,9 +66,11 @@ def publication(selection: Selection, terms: Terms) -> tuple[Selection, Publicat
     given = selection if terms.include_private else selection.public()
     census = take_census(given)
     if not census.recordings:
-        withheld = plural(selection.count(), "recording")
+        matching = selection.count()
+        if not matching:
+            raise StoreError("export: no recording matches, expected one at least")
         raise StoreError(
-            f"export: found no public recording among the {withheld} that match, expected some "
+            f"export: found no public recording among the {plural(matching, 'recording')} that match, expected some "
             "(include_private, --include-private, takes the others too)"
         )
     title = terms.title or _title(census)

@@ -37,7 +37,7 @@ class Format(Protocol):
 
 
 def export(
-    store: Store, form: Format, folder: Path, wanted: Filter | None = None, told: Told = lambda done, of: None
+    store: Store, form: Format, folder: str | Path, wanted: Filter | None = None, told: Told = lambda done, of: None
 ) -> Written:
     """Write recordings into a new folder; it appears whole or not at all.
 
@@ -63,7 +63,7 @@ def export(
     DamagedError
         If a recording is not what was put into the store.
     """
-    with new_folder(folder) as draft:
+    with new_folder(Path(folder)) as draft:
         return form.write(Selection.of(store, wanted), draft, told)
 
 
