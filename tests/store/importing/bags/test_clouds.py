@@ -19,7 +19,7 @@ def cloud(points: np.ndarray, *, big: bool = False, padding: int = 0, fields: An
         make(
             "sensor_msgs/msg/PointField",
             name=name,
-            offset=points.dtype.fields[name][1],
+            offset=dict(points.dtype.fields or {})[name][1],
             datatype=codes[points.dtype[name].str[1:]],
             count=1,
         )
@@ -53,7 +53,7 @@ def read_pcd(file: bytes) -> tuple[dict[str, str], np.ndarray]:
     """The header of a binary PCD file and its points, read as its specification says."""
     head, _, data = file.partition(b"DATA binary\n")
     lines = (line.split(" ", 1) for line in head.decode().splitlines() if not line.startswith("#"))
-    header = dict(lines)  # type: ignore[arg-type]
+    header = dict(lines)
     kinds = [
         f"<{kind.lower()}{size}" for kind, size in zip(header["TYPE"].split(), header["SIZE"].split(), strict=True)
     ]

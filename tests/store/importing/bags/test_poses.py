@@ -65,9 +65,10 @@ def test_transforms_and_covariances_are_poses_too(tmp_path: Path) -> None:
     )
     covariance = make("geometry_msgs/msg/PoseWithCovariance", pose=pose(), covariance=np.zeros(36))
     with_covariance = make("geometry_msgs/msg/PoseWithCovarianceStamped", header=header(ns(0), "map"), pose=covariance)
-    found = [read(tmp_path / name, [message]) for name, message in (
-        ("a", transform), ("b", with_covariance), ("c", pose()),
-    ) if not (tmp_path / name).mkdir()]  # fmt: skip
+    found = []
+    for name, message in (("a", transform), ("b", with_covariance), ("c", pose())):
+        (tmp_path / name).mkdir()
+        found.append(read(tmp_path / name, [message]))
     assert [(one.object_pose.translation_m, one.object_pose.frame) for one in found if one.object_pose] == [
         ((1.0, 2.0, 3.0), "base"),
         ((0.1, 0.2, 0.3), "map"),

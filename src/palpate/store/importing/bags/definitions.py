@@ -69,7 +69,11 @@ class Decoders:
     def _by_type(self, kind: Kind) -> Decode:
         from rosbags.typesys import Stores, get_typestore
 
-        types = _types(kind.type, kind.language, kind.definition) if kind.definition else self._known_types(kind)
+        types = (
+            _types(kind.topic, kind.type, kind.language, kind.definition)
+            if kind.definition
+            else self._known_types(kind)
+        )
         # a store of its own, as bags may define one type in two ways
         store = get_typestore(Stores.EMPTY)
         store.register(types)
@@ -101,7 +105,7 @@ class Decoders:
     def _given(self) -> Typesdict:
         found: Typesdict = {}
         for name, text in self.definitions.items():
-            found.update(_types(name, "ros2msg", text))
+            found.update(_types("[definitions]", name, "ros2msg", text))
         return found
 
     def _release(self) -> Typestore:
@@ -125,12 +129,12 @@ def _from_json(data: bytes) -> Any:
     return json.loads(data)
 
 
-def _types(name: str, language: str, text: str) -> Typesdict:
+def _types(where: str, name: str, language: str, text: str) -> Typesdict:
     """The types of a definition; of names and sizes that can become code, as the library makes code of them."""
     from rosbags.typesys import get_types_from_idl, get_types_from_msg
 
     if len(text) > LARGEST_DEFINITION:
-        raise StoreError(f"{len(text)} characters define {name!r}, expected {LARGEST_DEFINITION} at most")
+        raise StoreError(f"{where}: {len(text)} characters define {name!r}, expected {LARGEST_DEFINITION} at most")
     if language in ("ros2idl", "omgidl"):
         types: Typesdict = {}
         for part in text.split(IDL) if text.startswith(IDL) else [text]:
@@ -141,13 +145,13 @@ def _types(name: str, language: str, text: str) -> Typesdict:
     elif language in ("ros2msg", "ros1msg"):
         types = get_types_from_msg(text, name)
     else:
-        raise StoreError(f"{name!r} is defined in {language!r}, expected 'ros2msg' or 'ros2idl'")
+        raise StoreError(f"{where}: {name!r} is defined in {language!r}, expected 'ros2msg' or 'ros2idl'")
     for type, (constants, fields) in types.items():
         names = [*(name for name, _, _ in constants), *(name for name, _ in fields)]
         if not TYPE.fullmatch(type) or not all(map(FIELD.fullmatch, names)):
-            raise StoreError(f"{type!r} has the fields {names}, expected names of ROS")
+            raise StoreError(f"{where}: {type!r} has the fields {names}, expected names of ROS")
         for field, described in fields:
-            _check(f"{type}.{field}", described)
+            _check(f"{where}: {type}.{field}", described)
     return types
 
 

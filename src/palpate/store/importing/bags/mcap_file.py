@@ -60,13 +60,15 @@ class McapFile:
                 )
 
     def _messages(self, file: Whole) -> Iterator[Packet]:
-        from mcap.records import Attachment, Channel, Message
+        from mcap.records import Attachment, Channel, Message, Statistics
         from mcap.records import Schema as SchemaRecord
 
         schemas: dict[int, Schema] = {}
         kinds: dict[int, Kind] = {}
+        messages = 0
         for record in self._records(file):
             if isinstance(record, Message):
+                messages += 1
                 data = unzstd(record.data, self.path.name) if self.is_packed else record.data
                 if record.log_time > LATEST_NS:
                     raise StoreError(f"{self.path.name}: a message of {record.log_time} ns, expected ns since 1970")
@@ -78,12 +80,16 @@ class McapFile:
             elif isinstance(record, Channel):
                 kinds[record.id] = _kind(record.topic, record.message_encoding, schemas.get(record.schema_id))
                 self.topics.add(record.topic)
+            elif isinstance(record, Statistics) and record.message_count != messages:
+                # a chunk whose kind was changed is passed over without a word
+                found = f"{messages} messages"
+                raise StoreError(f"{self.path.name}: {found}, expected {record.message_count} as its statistics say")
             elif isinstance(record, Attachment):
                 self.notices.append(f"the attachment {record.name!r} of {self.path.name} is not imported")
 
     def _records(self, file: Whole) -> Iterator[McapRecord]:
-        """All records up to the end of the data, and those in chunks; then what follows is read and checked."""
-        from mcap.records import Chunk, DataEnd
+        """All records up to the end of the data, and those in chunks; what repeats them after it is left out."""
+        from mcap.records import Chunk, DataEnd, Statistics
         from mcap.stream_reader import StreamReader
 
         is_data = True
@@ -94,7 +100,7 @@ class McapFile:
             is_data = is_data and not isinstance(record, DataEnd)
             if isinstance(record, Chunk):
                 yield from self._in_chunk(record)
-            elif is_data:
+            elif is_data or isinstance(record, Statistics):
                 yield record
 
     def _in_chunk(self, chunk: Chunk) -> list[McapRecord]:

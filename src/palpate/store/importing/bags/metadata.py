@@ -54,22 +54,25 @@ def read_metadata(folder: Path) -> Metadata:
         not supported.
     """
     about = _load(folder / METADATA)
-    storage, mode = about.get("storage_identifier"), str(about.get("compression_mode") or "").lower()
+    # never the words of what is no text, as aliases of YAML can stand for more words than there is room
+    storage, mode, packed_by, release = (
+        value if isinstance(value := about.get(key), str) else ""
+        for key in ("storage_identifier", "compression_mode", "compression_format", "ros_distro")
+    )
+    mode = "" if mode.lower() == "none" else mode.lower()
     if storage not in STORAGES:
         raise StoreError(f"{METADATA}: storage_identifier is {storage!r}; {choices(STORAGES)}")
-    mode = "" if mode == "none" else mode
-    if mode and (mode not in ("file", "message") or about.get("compression_format") != "zstd"):
-        found = f"compression by {about.get('compression_format')!r} of each {mode}"
+    if mode and (mode not in ("file", "message") or packed_by != "zstd"):
+        found = f"compression by {packed_by!r} of each {mode}"
         raise StoreError(f"{METADATA}: {found} is not supported, expected 'zstd' of each file or message")
     names = about.get("relative_file_paths")
-    if not isinstance(names, list) or not names:
-        raise StoreError(f"{METADATA}: relative_file_paths is {names!r}, expected a list of files")
-    release = about.get("ros_distro")
+    if not isinstance(names, list) or not names or not all(isinstance(name, str) for name in names):
+        raise StoreError(f"{METADATA}: relative_file_paths is no list of names, expected the files of the bag")
     return Metadata(
-        files=tuple(_file(folder, str(name)) for name in dict.fromkeys(map(str, names))),
-        storage=str(storage),
+        files=tuple(_file(folder, name) for name in dict.fromkeys(names)),
+        storage=storage,
         compression=mode,
-        distribution=release if isinstance(release, str) and release.isalpha() else None,
+        distribution=release or None,
         counts=_counts(about),
     )
 

@@ -52,9 +52,11 @@ def oddities(topic: str, stamps_ns: NDArray[np.int64], logged_ns: NDArray[np.int
     """Tell what is odd about the times of the messages of a topic, in the order of the bag."""
     steps = np.diff(stamps_ns)
     if backwards := int((steps < 0).sum()):
-        yield f"{topic}: {backwards} time stamps are before the one ahead of them: they stay in the bag's order"
+        is_before = "time stamp is before the one ahead of it", "time stamps are before the one ahead of them"
+        yield f"{topic}: {backwards} {is_before[backwards > 1]}: the bag's order is kept"
     if again := int((steps == 0).sum()):
-        yield f"{topic}: {again} time stamps are the same as the one before"
+        is_same = "time stamp is the same as the one ahead of it", "time stamps are the same as the one ahead of them"
+        yield f"{topic}: {again} {is_same[again > 1]}"
     forward = steps[steps > 0]
     if len(forward) >= FEWEST:
         usual = float(np.median(forward))
@@ -62,7 +64,7 @@ def oddities(topic: str, stamps_ns: NDArray[np.int64], logged_ns: NDArray[np.int
         if len(gaps):
             longest = int(gaps[np.argmax(steps[gaps])])
             when, how_long = seconds(stamps_ns[longest : longest + 1], start_ns)[0], steps[longest] / NS
-            found = f"{len(gaps)} gaps, the longest of {how_long:.4g} s at {when:.4g} s"
+            found = f"{len(gaps)} gap{'s' * (len(gaps) > 1)}, the longest of {how_long:.4g} s at {when:.4g} s"
             yield f"{topic}: {found}, where {usual / NS:.4g} s are usual"
     apart_ns = float(np.median(stamps_ns - logged_ns)) if len(stamps_ns) else 0.0
     if abs(apart_ns) > APART_NS:

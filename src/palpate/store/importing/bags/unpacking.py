@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import bz2
+from collections.abc import Iterable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Protocol
 
@@ -18,7 +20,8 @@ LARGEST_BYTES = 256 << 20
 LARGEST_FILE_BYTES = 16 << 30
 """What a file of a bag may hold at most when it is unpacked."""
 
-PIECE_BYTES = 1 << 20
+PIECE_BYTES = 1 << 10
+"""A piece of zstd of this size holds 32 MiB at most."""
 
 
 class Unpacker(Protocol):
@@ -34,30 +37,35 @@ class Unpacker(Protocol):
 
 def unzstd(data: bytes, where: str, largest: int = LARGEST_BYTES) -> bytes:
     """Undo zstd; StoreError if it is damaged or holds too much."""
-    pieces, size = [], 0
-    try:
-        with zstandard.ZstdDecompressor().stream_reader(data, read_across_frames=True) as reader:
-            while piece := reader.read(min(PIECE_BYTES, largest + 1 - size)):
-                size += len(piece)
-                _check_size(size, where, largest)
-                pieces.append(piece)
-    except (zstandard.ZstdError, MemoryError) as error:
-        raise _damaged(where, "zstd", error) from error
-    return b"".join(pieces)
+    pieces = (data[start : start + PIECE_BYTES] for start in range(0, len(data), PIECE_BYTES))
+    return b"".join(_unzstd(pieces, where, largest))
 
 
 def unzstd_file(packed: Path, unpacked: Path, largest: int = LARGEST_FILE_BYTES) -> None:
     """Undo zstd of a file into another; StoreError if it is damaged or holds too much."""
-    size = 0
-    try:
-        with packed.open("rb") as source, unpacked.open("xb") as target:
-            reader = zstandard.ZstdDecompressor().stream_reader(source, read_across_frames=True)
-            while piece := reader.read(PIECE_BYTES):
-                size += len(piece)
-                _check_size(size, packed.name, largest)
-                target.write(piece)
-    except (zstandard.ZstdError, MemoryError) as error:
-        raise _damaged(packed.name, "zstd", error) from error
+    with packed.open("rb") as source, unpacked.open("xb") as target:
+        for piece in _unzstd(iter(partial(source.read, PIECE_BYTES), b""), packed.name, largest):
+            target.write(piece)
+
+
+def _unzstd(pieces: Iterable[bytes], where: str, largest: int) -> Iterator[bytes]:
+    """What small pieces hold, one frame or several; one that ends too early is not taken for whole."""
+    size, is_whole, frame = 0, False, zstandard.ZstdDecompressor().decompressobj()
+    for given in pieces:
+        piece = given
+        while piece:
+            try:
+                found = frame.decompress(piece)
+            except (zstandard.ZstdError, MemoryError) as error:
+                raise _damaged(where, "zstd", error) from error
+            size += len(found)
+            _check_size(size, where, largest)
+            yield found
+            is_whole, piece = frame.eof, frame.unused_data if frame.eof else b""
+            if is_whole:
+                frame = zstandard.ZstdDecompressor().decompressobj()
+    if not is_whole:
+        raise _damaged(where, "zstd", "it ends too early")
 
 
 def unlz4(data: bytes, where: str, largest: int = LARGEST_BYTES) -> bytes:
