@@ -85,7 +85,7 @@ def test_messages_become_what_the_map_says(tmp_path: Path) -> None:
     # the header is a microsecond behind, and the recording begins 123 ns before the first message
     assert channels["torque"].time_s.tolist() == [(round(i * 1e7) - 1000 + 123) / 1e9 for i in range(60)]
     assert found.entries == (Value("elasticity", 42.0, 10.0, "kPa"),)
-    assert found.notices == ("the map does not name /other: what the bag holds of them is not imported",)
+    assert found.notices == ("the map does not name /other: what the bag holds there is not imported",)
 
 
 stamps = st.lists(st.integers(-(10**12), 10**12), min_size=1, max_size=30)

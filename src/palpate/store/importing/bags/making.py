@@ -107,7 +107,7 @@ class Making:
             yield f"{_place(span)}there is no message of {', '.join(lacking)}, which the map names"
         known = {topic.name for topic in self._map.topics} | self._map.told_by
         if unnamed := [name for name in topics if name not in known]:
-            yield f"the map does not name {', '.join(unnamed)}: what the bag holds of them is not imported"
+            yield f"the map does not name {', '.join(unnamed)}: what the bag holds there is not imported"
         for gathering in found.values():
             yield from gathering.notices(start_ns)
 
