@@ -1,24 +1,20 @@
-from collections.abc import Callable
 from hashlib import sha256
 from pathlib import Path
 
 import pytest
 
 from palpate.store.blobs import Blobs, FolderBlobs
-from palpate.store.bucket import BucketBlobs
-from palpate.store.errors import DamagedError
+from palpate.store.errors import DamagedError, StoreError, UnavailableError
+from tests.store.places import blobs_of, check_services
 
 DATA = b"a picture"
 DIGEST = sha256(DATA).hexdigest()
 
 
-@pytest.fixture(params=["folder", "bucket"])
-def blobs(request: pytest.FixtureRequest, tmp_path: Path) -> Blobs:
-    made: dict[str, Callable[[], Blobs]] = {
-        "folder": lambda: FolderBlobs(tmp_path / "blobs"),
-        "bucket": lambda: BucketBlobs("memory:///"),
-    }
-    return made[request.param]()
+@pytest.fixture(params=["sqlite", "bucket", "s3"])
+def blobs(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Blobs:
+    check_services(request.param)
+    return blobs_of(request.param, tmp_path, monkeypatch)
 
 
 def test_bytes_come_back(blobs: Blobs, tmp_path: Path) -> None:
@@ -62,3 +58,28 @@ def test_a_file_that_changed_is_not_kept(blobs: Blobs, tmp_path: Path) -> None:
         blobs.put(DIGEST, path)
     assert not list(blobs.all())
     assert not [left for left in (tmp_path / "blobs").glob("*/*") if left.is_file()]
+
+
+def test_only_blobs_are_listed(tmp_path: Path) -> None:
+    """What else lies in the folder is not told, as what is told and referred to by nothing is removed."""
+    blobs = FolderBlobs(tmp_path)
+    blobs.put(DIGEST, DATA)
+    (tmp_path / "ab").mkdir(exist_ok=True)
+    for name in ("ab/README", f"ab/{DIGEST[2:].upper()}", "notes.txt"):
+        (tmp_path / name).write_text("ours")
+    assert [digest for digest, _ in blobs.all()] == [DIGEST]
+
+
+def test_a_folder_that_cannot_be_written_to_is_an_error(tmp_path: Path) -> None:
+    """Where there is a file in place of the folder, putting is refused in one sentence."""
+    (tmp_path / "blobs").write_text("a file")
+    with pytest.raises(UnavailableError, match=r"blobs '.*': (Not a directory|File exists), expected a folder"):
+        FolderBlobs(tmp_path / "blobs").put(DIGEST, DATA)
+
+
+def test_a_file_that_is_gone_is_named(tmp_path: Path) -> None:
+    """A file that was removed since it was looked at is named, and nothing is kept."""
+    blobs = FolderBlobs(tmp_path / "blobs")
+    with pytest.raises(StoreError, match=r"cam0.png: No such file or directory, expected a file that can be read"):
+        blobs.put(DIGEST, tmp_path / "cam0.png")
+    assert [path for path in blobs.folder.rglob("*") if path.is_file()] == []

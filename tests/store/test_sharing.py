@@ -1,13 +1,7 @@
-"""Many writers, and writers that are killed."""
+"""Many writers, and what keeps them from writing."""
 
 import multiprocessing
-import os
-import random
-import signal
 import sqlite3
-import subprocess
-import sys
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -19,22 +13,6 @@ from palpate.store.records import Receipt
 from palpate.store.store import Store
 from palpate.store.verifying import verify
 from tests.store.made_up import squeeze
-
-KILLS = int(os.environ.get("PALPATE_TEST_KILLS", "6"))
-"""How often the writer is killed; each takes about a second."""
-
-WRITER = """
-import sys
-from pathlib import Path
-from palpate.store.opening import open_store
-from tests.store.made_up import squeeze
-from palpate.store.records import FileItem
-with open_store(sys.argv[1]) as store:
-    for number in range(int(sys.argv[2]), 10**6):
-        picture = FileItem("cam0", "image/png", str(number).encode())
-        receipt = store.put(squeeze(number, files=(picture,)))
-        print(number, receipt.digest, flush=True)
-"""
 
 
 def put_both(path: Path, first: int) -> list[Receipt]:
@@ -62,25 +40,6 @@ def test_processes_write_at_once(tmp_path: Path) -> None:
     with open_store(path) as store:
         assert list(verify(store)) == []
         assert all(store.get(receipt.id).digest == receipt.digest for receipt in receipts)
-
-
-def test_a_killed_writer_loses_nothing(tmp_path: Path) -> None:
-    """Killed at any instant, what was acknowledged is there, nothing is there in part, and the store verifies."""
-    path, rng, acknowledged = tmp_path / "store.sqlite", random.Random(0), dict[int, str]()
-    for _ in range(KILLS):
-        command = [sys.executable, "-c", WRITER, str(path), str(max(acknowledged, default=-1) + 1)]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parents[2]) as writer:
-            assert writer.stdout is not None
-            lines = [writer.stdout.readline()]
-            time.sleep(rng.uniform(0, 0.05))
-            writer.send_signal(signal.SIGKILL)
-            lines += writer.stdout.readlines()
-        for number, digest in (line.split() for line in lines if line.endswith("\n")):
-            acknowledged[int(number)] = digest
-    assert len(acknowledged) >= KILLS
-    with open_store(path) as store:
-        assert list(verify(store)) == []
-        assert all(store.get(digest).digest == digest for digest in acknowledged.values())
 
 
 def test_a_locked_store_is_an_error_in_one_sentence(local: Store, monkeypatch: pytest.MonkeyPatch) -> None:

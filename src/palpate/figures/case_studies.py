@@ -111,7 +111,7 @@ def _draw_gains(axes: Axes, steps: Frame) -> None:
     axes.axhline(0, color=GREY, lw=0.7)
     axes.set_ylabel("gain [bits]")
     whole(axes.xaxis)
-    axes.legend(frameon=False, fontsize=7.5, loc="upper right")
+    axes.legend(frameon=False, fontsize=7.5, loc="best")
 
 
 def _draw_final(axes: Axes, beliefs: Frame, truths: Sequence[str | float]) -> None:

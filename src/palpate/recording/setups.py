@@ -1,8 +1,4 @@
-"""Setups from TOML files: the devices that measure.
-
-A table for each of ``arm``, ``gripper``, ``camera`` and ``microphone``, any number of ``[[other]]``; each has a
-``name``, and may have a ``maker``, ``parameters``, a ``calibration`` and the date ``calibrated_on``.
-"""
+"""Setups from TOML files; `palpate.store.importing.setup_tables` says what stands in them."""
 
 from __future__ import annotations
 
@@ -11,14 +7,14 @@ from pathlib import Path
 
 from palpate.recording.errors import RecordingError
 from palpate.store.errors import StoreError
+from palpate.store.importing.setup_tables import setup_from_tables
 from palpate.store.records import Setup
-from palpate.store.setups import setup_from_tables
 
 __all__ = ["read_setup"]
 
 
 def read_setup(path: str | Path) -> Setup:
-    """Read a setup.
+    """Read a setup: a table for each of arm, gripper, camera and microphone, and any number of ``[[other]]``.
 
     Raises
     ------

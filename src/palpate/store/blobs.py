@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from collections.abc import Iterator
 from contextlib import suppress
@@ -12,12 +13,13 @@ from typing import Protocol
 
 from palpate.store.content import file_digest
 from palpate.store.durable import sync_folder
-from palpate.store.errors import DamagedError
+from palpate.store.errors import DamagedError, StoreError, UnavailableError
 
-__all__ = ["Blobs", "FolderBlobs"]
+__all__ = ["Blobs", "FolderBlobs", "is_digest"]
 
 DRAFT = ".draft-"
 DAMAGED = ".damaged"
+DIGEST = re.compile("[0-9a-f]{64}")
 
 
 class Blobs(Protocol):
@@ -70,6 +72,17 @@ class FolderBlobs:
         path = self._path(digest)
         if path.exists():
             return
+        try:
+            self._write(path, digest, data)
+        except OSError as error:
+            if isinstance(data, Path) and error.filename == str(data):
+                raise StoreError(f"{data}: {error.strerror}, expected a file that can be read") from None
+            raise UnavailableError(
+                f"blobs {str(self.folder)!r}: {error.strerror}, expected a folder with space that can be written to"
+            ) from None
+
+    def _write(self, path: Path, digest: str, data: bytes | Path) -> None:
+        is_new = not path.parent.exists()
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix=DRAFT, dir=path.parent)
         draft = Path(name)
@@ -86,6 +99,8 @@ class FolderBlobs:
         finally:
             draft.unlink(missing_ok=True)
         sync_folder(path.parent)
+        if is_new:
+            sync_folder(self.folder)
 
     def get(self, digest: str) -> bytes:
         """The bytes of a digest, verified."""
@@ -96,10 +111,11 @@ class FolderBlobs:
         return verified(digest, data, str(self.folder))
 
     def all(self) -> Iterator[tuple[str, float]]:
-        """Each digest with the time it was written [s since 1970]."""
+        """Each digest with the time it was written [s since 1970]; files with other names are not ours."""
         for path in sorted(self.folder.glob("??/*")):
-            if not path.name.startswith(DRAFT) and not path.name.endswith(DAMAGED):
-                yield path.parent.name + path.name, path.stat().st_mtime
+            digest = path.parent.name + path.name
+            if is_digest(digest):
+                yield digest, path.stat().st_mtime
 
     def remove(self, digest: str) -> None:
         """Remove what nothing refers to."""
@@ -113,6 +129,17 @@ class FolderBlobs:
 
     def _path(self, digest: str) -> Path:
         return self.folder / digest[:2] / digest[2:]
+
+
+def is_digest(text: str) -> bool:
+    """Whether a text is a SHA-256 as blobs are named by it: nothing else is listed, and so nothing else removed.
+
+    Examples
+    --------
+    >>> is_digest("ab" * 32), is_digest("AB" * 32), is_digest("../" * 21 + "x")
+    (True, False, False)
+    """
+    return DIGEST.fullmatch(text) is not None
 
 
 def verified(digest: str, data: bytes, place: str) -> bytes:

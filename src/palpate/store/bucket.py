@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from palpate.store.blobs import DAMAGED, verified
+from palpate.store.blobs import DAMAGED, is_digest, verified
+from palpate.store.bucket_errors import NotThereError, told
 from palpate.store.content import file_digest
-from palpate.store.errors import DamagedError
+from palpate.store.errors import DamagedError, StoreError
+
+if TYPE_CHECKING:
+    from obstore.store import ClientConfig
 
 __all__ = ["BucketBlobs"]
+
+ENDPOINTS = ("AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL", "AWS_ENDPOINT")
 
 
 class BucketBlobs:
@@ -20,13 +28,23 @@ class BucketBlobs:
     url
         Bucket and prefix, such as ``s3://lab/blobs``. Keys, region and endpoint come from the environment, as
         ``AWS_ACCESS_KEY_ID`` and the others of that family; any store that obstore knows will do.
+
+    Raises
+    ------
+    UnavailableError
+        If it is no such address; later, from every method, if the store does not answer or does not let one in.
     """
 
     def __init__(self, url: str) -> None:
-        from obstore.store import from_url
-
+        try:
+            from obstore.store import from_url
+        except ImportError as error:
+            raise StoreError(
+                f'blobs {url!r}: need obstore, which is not installed: pip install "palpate[s3]"'
+            ) from error
         self.url = url
-        self._store = from_url(url)
+        with told(url):
+            self._store = from_url(url, client_options=_options()) if url.startswith("s3:") else from_url(url)
 
     def put(self, digest: str, data: bytes | Path) -> None:
         """Keep bytes under their digest; an object appears whole or not at all."""
@@ -37,49 +55,62 @@ class BucketBlobs:
         # a file may have changed since its digest was taken
         if isinstance(data, Path) and file_digest(data) != digest:
             raise DamagedError(f"{data}: changed while it was read, expected a file that nothing writes to")
-        obstore.put(self._store, _key(digest), data)
+        with told(self.url):
+            obstore.put(self._store, _key(digest), data)
 
     def get(self, digest: str) -> bytes:
         """The bytes of a digest, verified."""
         import obstore
 
         try:
-            data = bytes(obstore.get(self._store, _key(digest)).bytes())
-        except FileNotFoundError:
+            with told(self.url):
+                data = bytes(obstore.get(self._store, _key(digest)).bytes())
+        except NotThereError:
             raise DamagedError(f"blob {digest}: is missing in {self.url}") from None
         return verified(digest, data, self.url)
 
     def all(self) -> Iterator[tuple[str, float]]:
-        """Each digest with the time it was written [s since 1970]."""
+        """Each digest with the time it was written [s since 1970]; objects with other names are not ours."""
         import obstore
 
-        for page in obstore.list(self._store):
-            for item in page:
-                if not item["path"].endswith(DAMAGED):
-                    yield item["path"].replace("/", ""), item["last_modified"].timestamp()
+        with told(self.url):
+            for page in obstore.list(self._store):
+                for item in page:
+                    digest = item["path"].replace("/", "", 1)
+                    if is_digest(digest) and _key(digest) == item["path"]:
+                        yield digest, item["last_modified"].timestamp()
 
     def remove(self, digest: str) -> None:
         """Remove what nothing refers to."""
         import obstore
 
-        obstore.delete(self._store, _key(digest))
+        with told(self.url):
+            obstore.delete(self._store, _key(digest))
 
     def set_aside(self, digest: str) -> None:
         """Rename damaged bytes."""
         import obstore
 
         if self._there(digest):
-            obstore.rename(self._store, _key(digest), _key(digest) + DAMAGED)
+            with told(self.url):
+                obstore.rename(self._store, _key(digest), _key(digest) + DAMAGED)
 
     def _there(self, digest: str) -> bool:
         import obstore
 
         try:
-            obstore.head(self._store, _key(digest))
-        except FileNotFoundError:
+            with told(self.url):
+                obstore.head(self._store, _key(digest))
+        except NotThereError:
             return False
         return True
 
 
 def _key(digest: str) -> str:
     return f"{digest[:2]}/{digest[2:]}"
+
+
+def _options() -> ClientConfig:
+    """An endpoint without TLS is what its address says, and must be said once more."""
+    endpoints = (os.environ.get(name, "") for name in ENDPOINTS)
+    return {"allow_http": any(endpoint.startswith("http://") for endpoint in endpoints)}

@@ -11,6 +11,7 @@ from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, DatabaseError
 
 from palpate.store.errors import StoreError
+from palpate.store.outages import tell_outages
 
 __all__ = ["LATEST", "connect", "migrate", "revision", "up_to_date", "writing"]
 
@@ -20,6 +21,8 @@ WAIT_S = 30
 PAGE_BYTES = 16384
 # 64 MiB of log before it is worked into the file
 CHECKPOINT_PAGES = 4096
+MIGRATION_LOCK = 0x70616C70
+"""Any number that other programs on one PostgreSQL are unlikely to lock."""
 
 
 def connect(url: str, *, durable: bool = True) -> Engine:
@@ -45,7 +48,9 @@ def connect(url: str, *, durable: bool = True) -> Engine:
             f"store {url!r}: is no address, expected a path, sqlite:///... or postgresql+psycopg://..."
         ) from None
     if address.get_backend_name() == "postgresql":
-        return create_engine(address, pool_pre_ping=True)
+        engine = create_engine(address, pool_pre_ping=True)
+        tell_outages(engine)
+        return engine
     if address.get_backend_name() != "sqlite":
         raise StoreError(f"store {url!r}: found {address.get_backend_name()!r}, expected SQLite or PostgreSQL")
     return _sqlite(address, durable=durable)
@@ -53,6 +58,7 @@ def connect(url: str, *, durable: bool = True) -> Engine:
 
 def _sqlite(address: URL, *, durable: bool) -> Engine:
     engine = create_engine(address, connect_args={"timeout": WAIT_S})
+    tell_outages(engine)
     synchronous = "FULL" if durable else "NORMAL"
 
     @event.listens_for(engine, "connect")
@@ -116,6 +122,9 @@ def migrate(engine: Engine, target: str) -> None:
     config.set_main_option("path_separator", "os")
     with writing(engine).begin() as connection:
         config.attributes["connection"] = connection
+        # two programs may open a new store at once; in SQLite the one that writes has locked out the other
+        if connection.dialect.name == "postgresql":
+            connection.execute(text("SELECT pg_advisory_xact_lock(:number)"), {"number": MIGRATION_LOCK})
         found = revision(connection)
         known = {script.revision for script in ScriptDirectory.from_config(config).walk_revisions()}
         if found is not None and found not in known:

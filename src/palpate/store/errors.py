@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from palpate.errors import PalpateError
 
-__all__ = ["DamagedError", "StoreError"]
+__all__ = ["DamagedError", "StoreError", "UnavailableError"]
 
 
 class StoreError(PalpateError, ValueError):
@@ -13,3 +13,7 @@ class StoreError(PalpateError, ValueError):
 
 class DamagedError(StoreError):
     """Stored bytes that are missing or are not the ones that were written."""
+
+
+class UnavailableError(StoreError):
+    """A database that cannot be used now, as one that is locked, full or away; what was asked was not done."""

@@ -89,9 +89,12 @@ REMOVE = "remove"
 def _database_faults(connection: Connection) -> Iterator[Fault]:
     if connection.dialect.name != "sqlite":
         return
-    for (line,) in connection.execute(text("PRAGMA integrity_check")):
-        if line != "ok":
-            yield Fault("database", str(line))
+    try:
+        for (line,) in connection.execute(text("PRAGMA integrity_check")):
+            if line != "ok":
+                yield Fault("database", str(line))
+    except DamagedError as error:
+        yield Fault("database", str(error))
     for table, row, parent, _ in connection.execute(text("PRAGMA foreign_key_check")):
         yield Fault("database", f"row {row} of {table} refers to a row of {parent} that is missing")
 

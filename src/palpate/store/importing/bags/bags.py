@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
-from uuid import NAMESPACE_URL, uuid5
 
 from palpate.store.checks import check
 from palpate.store.errors import StoreError
@@ -13,6 +11,7 @@ from palpate.store.importing.bags.making import Making
 from palpate.store.importing.bags.opening import opened_bag
 from palpate.store.importing.bags.reading import Reading
 from palpate.store.importing.bags.topics import TopicMap
+from palpate.store.importing.items import identified
 from palpate.store.records import Recording
 
 __all__ = ["read_bag"]
@@ -51,16 +50,13 @@ def read_bag(path: str | Path, topics: TopicMap, *, folder: Path | None = None) 
         with opened_bag(path) as bag:
             reading = Reading(bag, topics)
             making = Making(topics, reading, Spill(folder))
-            return tuple(_identified(recording) for recording in making.recordings())
+            return tuple(_checked(recording) for recording in making.recordings())
     except StoreError as error:
         raise StoreError(f"{path}: {error}") from error
     except OSError as error:
         raise StoreError(f"{path}: cannot be read: {error.strerror or error}") from error
 
 
-def _identified(recording: Recording) -> Recording:
+def _checked(recording: Recording) -> Recording:
     check(recording)
-    found = replace(recording, id=uuid5(NAMESPACE_URL, f"palpate:{recording.digest}"))
-    # the id is no part of what is hashed, and hashing takes long
-    vars(found).update(document=recording.document, digest=recording.digest)
-    return found
+    return identified(recording)

@@ -54,8 +54,8 @@ from palpate.network.document import Section, open_layer
 from palpate.store.errors import StoreError
 from palpate.store.importing.bags.reading_topic import path_in, read_topic
 from palpate.store.importing.bags.topics import Cut, Marker, TextFrom, Topic, TopicMap
+from palpate.store.importing.setup_tables import setup_from_tables
 from palpate.store.records import ThingRef
-from palpate.store.setups import setup_from_tables
 
 __all__ = ["read_topic_map"]
 

@@ -1,4 +1,4 @@
-"""Setups as tables, as a TOML file holds them: the devices that measure.
+"""Setups from the tables of a TOML file: the devices that measure.
 
 A table for each of ``arm``, ``gripper``, ``camera`` and ``microphone``, any number of ``[[other]]``; each has a
 ``name``, and may have a ``maker``, ``parameters``, a ``calibration`` and the date ``calibrated_on``.
@@ -20,24 +20,17 @@ KEYS = ("name", "maker", "parameters", "calibration", "calibrated_on")
 
 
 def setup_from_tables(tables: Mapping[str, Any], where: str) -> Setup:
-    """Make a setup of its tables.
-
-    Parameters
-    ----------
-    tables
-        Kind of device to its table.
-    where
-        Begins the message of the error.
+    """Read a setup.
 
     Raises
     ------
     StoreError
-        If a key is missing, unknown or holds something else.
+        If a key is missing, unknown or holds something else; `where` begins the message.
 
     Examples
     --------
-    >>> setup_from_tables({"arm": {"name": "kinova_gen3"}}, "setup.toml").devices[0].name
-    'kinova_gen3'
+    >>> setup_from_tables({"gripper": {"name": "claw"}}, "setup.toml").gripper.name
+    'claw'
     """
     for kind in tables:
         if kind not in DEVICE_KINDS:
@@ -45,7 +38,7 @@ def setup_from_tables(tables: Mapping[str, Any], where: str) -> Setup:
     others = tables.get("other", [])
     if not isinstance(others, list):
         raise StoreError(f"{where}: other is one table, expected [[other]]")
-    named = {kind: _device(f"{where}: {kind}", kind, tables[kind]) for kind in DEVICE_KINDS[:-1] if kind in tables}
+    named = {kind: _device(f"{where}: {kind}", kind, table) for kind, table in tables.items() if kind != "other"}
     return Setup(**named, other=tuple(_device(f"{where}: other", "other", table) for table in others))
 
 

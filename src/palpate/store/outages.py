@@ -1,0 +1,67 @@
+"""A database that goes away: told in one sentence, and waited for where a transaction may be done again."""
+
+from __future__ import annotations
+
+import random
+import time
+from collections.abc import Callable
+from typing import TypeVar
+
+from sqlalchemy import Engine, event
+from sqlalchemy.engine import ExceptionContext
+
+from palpate.store.errors import DamagedError, UnavailableError
+
+__all__ = ["LostError", "patiently", "tell_outages"]
+
+PATIENCE_S = 30.0
+"""How long a server may be away, as while it is restarted."""
+FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.1, 2.0
+DAMAGED = ("SQLITE_CORRUPT", "SQLITE_NOTADB")
+Done = TypeVar("Done")
+
+
+class LostError(UnavailableError):
+    """A server that cannot be reached, or no longer; what was being committed may or may not be there."""
+
+
+def tell_outages(engine: Engine) -> None:
+    """Let every use of an engine say in one sentence that the server went away, or that the file is damaged."""
+
+    @event.listens_for(engine, "handle_error")
+    def tell(context: ExceptionContext) -> Exception | None:
+        place, said = f"store {engine.url!r}", " ".join(str(context.original_exception).split())
+        # a connection that waited in the pool is replaced without a word
+        if context.is_pre_ping:
+            return None
+        if getattr(context.original_exception, "sqlite_errorname", "").startswith(DAMAGED):
+            return DamagedError(f"{place}: {said}; expected the SQLite file that was written")
+        server = engine.dialect.name == "postgresql"
+        if server and (context.is_disconnect or context.connection is None):
+            return LostError(f"{place}: {said}; expected a server that answers")
+        return None
+
+
+def patiently(work: Callable[[], Done]) -> Done:
+    """Do a transaction again that lost its server, for as long as a server takes to start.
+
+    Parameters
+    ----------
+    work
+        A transaction that changes nothing when it is done a second time, as nobody knows whether it was committed.
+
+    Raises
+    ------
+    LostError
+        If the server stays away.
+    """
+    end, pause_s = time.monotonic() + PATIENCE_S, FIRST_PAUSE_S
+    while True:
+        try:
+            return work()
+        except LostError:
+            if time.monotonic() + pause_s > end:
+                raise
+        # by chance, so that all who lost one server do not come back at once
+        time.sleep(pause_s * random.uniform(0.5, 1.0))
+        pause_s = min(2 * pause_s, LONGEST_PAUSE_S)
