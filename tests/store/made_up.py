@@ -43,6 +43,8 @@ json_values = st.recursive(
     max_leaves=6,
 )
 attributes = st.dictionaries(names, json_values, max_size=3)
+# a quantity of one dimension would ask for units of that dimension
+quantities = names.filter(lambda name: name not in QUANTITIES)
 units = st.sampled_from(["g", "kPa", "dimensionless", None])
 dtypes = st.sampled_from(["<f8", ">f8", "<f4", "<f2", "<i8", ">i2", "|u1", "|b1"])
 
@@ -53,9 +55,7 @@ def channels(draw: st.DrawFn, name: str) -> Channel:
     shape = (count, *draw(st.lists(st.integers(0, 3), max_size=2)))
     values = draw(npst.arrays(np.dtype(draw(dtypes)), shape))
     time_s = draw(npst.arrays(np.float64, (count,), elements=finite))
-    # in any unit, so of no quantity whose dimension is known
-    quantity = draw(names.filter(lambda word: word not in QUANTITIES))
-    return Channel(name, quantity, draw(units), values, draw(st.none() | st.just(100.0)), time_s)
+    return Channel(name, draw(quantities), draw(units), values, draw(st.none() | st.just(100.0)), time_s)
 
 
 @st.composite

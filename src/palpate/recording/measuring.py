@@ -169,7 +169,8 @@ def _kept(recording: Recording, entries: tuple[Entry, ...], notices: tuple[str, 
     if not entries:
         return entries, notices
     try:
-        check(replace(recording, entries=entries))
+        # series and files were checked when they came
+        check(replace(recording, series=(), files=(), entries=entries))
     except StoreError as error:
         _log.warning("the result of %s is kept as failed: %s", recording.action, error)
         return (FailedEntry(f"the result was refused: {error}"),), (*notices, f"the result was {entries!r}")

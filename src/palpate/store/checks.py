@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -19,6 +19,9 @@ __all__ = ["check", "check_unit"]
 
 CLOCKS_DIFFER = timedelta(minutes=1)
 SUM_TOLERANCE = 1e-6
+# numbers of entries
+NEEDED = ("value", "low", "high")
+OPTIONAL = ("sd", "above", "below")
 
 
 def check(recording: Recording, *, units: Mapping[str, str | None] | None = None, now: datetime | None = None) -> None:
@@ -141,16 +144,11 @@ def _check_entry(where: str, entry: Entry, units: Mapping[str, str | None]) -> N
     if isinstance(entry, Distribution):
         _check_probabilities(where, entry.probabilities)
         return
-    for field, number in _numbers_of(where, entry):
-        check_number(field, number)
+    for name, value in vars(entry).items():
+        if name in NEEDED or (name in OPTIONAL and value is not None):
+            check_number(f"{where}.{name}", value)
     _check_order(where, entry)
     check_unit(f"{where}.unit", entry.unit, units.get(entry.property))
-
-
-def _numbers_of(where: str, entry: Value | Interval | Bound) -> Iterator[tuple[str, object]]:
-    for name, value in vars(entry).items():
-        if name in ("value", "low", "high") or (name in ("sd", "above", "below") and value is not None):
-            yield f"{where}.{name}", value
 
 
 def _check_order(where: str, entry: Value | Interval | Bound) -> None:
