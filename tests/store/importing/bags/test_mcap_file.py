@@ -105,6 +105,7 @@ BOMB = zstandard.compress(bytes(300 << 20))
         (chunked("snappy", 3, b"123"), "compressed by 'snappy', expected 'zstd', 'lz4' or nothing"),
         (chunked("", 9, b"\5" + struct.pack("<Q", 50)), "a record is longer than its chunk"),
         (chunked("", 3, b"123", crc32(b"124")), "crc validation failed"),
+        (chunked("", 31, b"\5" + struct.pack("<QHIQQ", 22, 7, 0, 0, 0)), "a message of channel 7, expected one"),
         (MAGIC + struct.pack("<BQ", 1, 1 << 50) + MAGIC, "exceeds limit"),
         (MAGIC + struct.pack("<BQ", 1, 1 << 29) + MAGIC, "a record is longer than the file"),
     ],

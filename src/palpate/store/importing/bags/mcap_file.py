@@ -72,6 +72,9 @@ class McapFile:
                 data = unzstd(record.data, self.path.name) if self.is_packed else record.data
                 if record.log_time > LATEST_NS:
                     raise StoreError(f"{self.path.name}: a message of {record.log_time} ns, expected ns since 1970")
+                if record.channel_id not in kinds:
+                    found = f"a message of channel {record.channel_id}"
+                    raise StoreError(f"{self.path.name}: {found}, expected one that the file defines before it")
                 if self.first_ns is None or record.log_time < self.first_ns:
                     self.first_ns = record.log_time
                 yield Packet(kinds[record.channel_id], record.log_time, data)
