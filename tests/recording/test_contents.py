@@ -1,30 +1,11 @@
-import io
 from pathlib import Path
 from typing import Any
 
-import matplotlib.image
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra import numpy as hnp
 
-from palpate.recording.contents import content_of, json_of, png
+from palpate.recording.contents import content_of, json_of
 from palpate.recording.errors import RecordingError
-
-
-@given(hnp.arrays(np.uint8, st.tuples(st.integers(1, 5), st.integers(1, 5), st.sampled_from([3, 4]))))
-def test_pictures_are_kept_without_loss(picture: np.ndarray) -> None:
-    """Another library reads the very pixels that were given."""
-    found = matplotlib.image.imread(io.BytesIO(png(picture, "here")), format="png")
-    assert (np.rint(found * 255).astype(np.uint8) == picture).all()
-
-
-def test_depth_images_have_16_bits() -> None:
-    """A picture of uint16 comes back with its values."""
-    depth = np.arange(6, dtype=np.uint16).reshape(2, 3) * 10_000
-    found = matplotlib.image.imread(io.BytesIO(png(depth, "here")), format="png")
-    assert (np.rint(found * 65535) == depth).all()
 
 
 @pytest.mark.parametrize(

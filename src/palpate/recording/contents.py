@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import struct
-import zlib
 from pathlib import Path, PurePosixPath
 from typing import Protocol, runtime_checkable
 
@@ -13,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.recording.errors import RecordingError
+from palpate.store.errors import StoreError
+from palpate.store.pictures import png
 
-__all__ = ["Content", "Figure", "content_of", "json_of", "png"]
+__all__ = ["Content", "Figure", "content_of", "json_of"]
 
 
 @runtime_checkable
@@ -48,7 +48,10 @@ def content_of(name: str, content: Content) -> bytes | Path:
     if isinstance(content, np.ndarray):
         if ending != ".png":
             raise RecordingError(f"file {name!r}: an array was given, expected a name that ends in .png for a picture")
-        return png(content, f"file {name!r}")
+        try:
+            return png(content, f"file {name!r}")
+        except StoreError as error:
+            raise RecordingError(str(error)) from error
     if isinstance(content, Figure):
         drawn = io.BytesIO()
         content.savefig(drawn, format=ending.removeprefix(".") or "png")
@@ -64,39 +67,3 @@ def json_of(where: str, value: object) -> bytes:
         return json.dumps(plain, allow_nan=False, ensure_ascii=False).encode()
     except (TypeError, ValueError) as error:
         raise RecordingError(f"{where}: {error}, expected what JSON can hold") from error
-
-
-def png(picture: NDArray[np.uint8] | NDArray[np.uint16], where: str) -> bytes:
-    """Return a picture, without loss, as PNG.
-
-    Parameters
-    ----------
-    picture
-        8 or 16 bits a sample: (rows, columns) grey, or (rows, columns, k) with k = 1 grey, 2 grey and opacity,
-        3 red green blue, 4 with opacity.
-    where
-        Begins the message of the error.
-
-    Raises
-    ------
-    RecordingError
-        If it has another shape or type.
-    """
-    kinds = {1: 0, 2: 4, 3: 2, 4: 6}
-    samples = picture[..., np.newaxis] if picture.ndim == 2 else picture
-    if samples.ndim != 3 or samples.shape[2] not in kinds or samples.dtype not in (np.uint8, np.uint16):
-        found = f"an array of shape {picture.shape} and type {picture.dtype}"
-        raise RecordingError(f"{where}: {found}, expected a picture of uint8 or uint16, (rows, columns) or (.., 3)")
-    rows, columns, depth = samples.shape
-    if not samples.size:
-        raise RecordingError(f"{where}: a picture without a pixel, expected one at least")
-    lines = np.ascontiguousarray(samples, dtype=samples.dtype.newbyteorder(">")).view(np.uint8).reshape(rows, -1)
-    # each line begins with the number of its filter: none
-    raw = np.pad(lines, ((0, 0), (1, 0))).tobytes()
-    header = struct.pack(">IIBBBBB", columns, rows, samples.dtype.itemsize * 8, kinds[depth], 0, 0, 0)
-    parts = (b"IHDR", header), (b"IDAT", zlib.compress(raw, 1)), (b"IEND", b"")
-    return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(kind, data) for kind, data in parts)
-
-
-def _chunk(kind: bytes, data: bytes) -> bytes:
-    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
