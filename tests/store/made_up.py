@@ -9,6 +9,7 @@ from hypothesis.extra import numpy as npst
 
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
 from palpate.store.records import Channel, Device, FileItem, Pose, Recording, Series, Setup, ThingRef
+from palpate.store.signals import QUANTITIES
 
 START = datetime(2024, 5, 1, 12, tzinfo=UTC)
 GRIPPER = Device("gripper", "two_finger", maker="somebody", parameters={"stroke_mm": 85})
@@ -52,7 +53,9 @@ def channels(draw: st.DrawFn, name: str) -> Channel:
     shape = (count, *draw(st.lists(st.integers(0, 3), max_size=2)))
     values = draw(npst.arrays(np.dtype(draw(dtypes)), shape))
     time_s = draw(npst.arrays(np.float64, (count,), elements=finite))
-    return Channel(name, draw(names), draw(units), values, draw(st.none() | st.just(100.0)), time_s)
+    # in any unit, so of no quantity whose dimension is known
+    quantity = draw(names.filter(lambda word: word not in QUANTITIES))
+    return Channel(name, quantity, draw(units), values, draw(st.none() | st.just(100.0)), time_s)
 
 
 @st.composite

@@ -9,10 +9,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from palpate.store.archive import export_archive, import_archive, read_archive
+from palpate.store.archive import export_archive
 from palpate.store.content import file_digest
 from palpate.store.errors import DamagedError, StoreError
+from palpate.store.importing.intake import import_paths
+from palpate.store.importing.items import Fate
+from palpate.store.importing.own_formats import Archives
 from palpate.store.opening import open_store
+from palpate.store.reading_archive import archive_rows, read_archive
 from palpate.store.records import FileItem, Recording
 from palpate.store.store import Store
 from palpate.store.verifying import verify
@@ -33,8 +37,8 @@ def test_import_of_an_export_is_the_same(store: Store, tmp_path: Path) -> None:
     store.put_many(MADE)
     export_archive(store, tmp_path / "archive")
     with open_store(tmp_path / "other.sqlite", durable=False) as other:
-        first, second = (import_archive(other, tmp_path / "archive") for _ in range(2))
-        assert (first.new, first.known, second.new, second.known) == (3, 0, 0, 3)
+        first, second = (list(import_paths(other, [tmp_path / "archive"], [Archives()])) for _ in range(2))
+        assert [outcome.fate for outcome in (*first, *second)] == [Fate.NEW] * 3 + [Fate.KNOWN] * 3
         assert [other.get(recording.id) for recording in MADE] == MADE
         assert list(verify(other)) == []
 
@@ -137,6 +141,24 @@ def test_what_a_store_refuses_is_told(archive: Path, tmp_path: Path) -> None:
     """A recording that the other store may not keep is told, and the others are imported."""
     with open_store(tmp_path / "other.sqlite", durable=False) as other:
         other.put(replace(squeeze(9), id=MADE[2].id))
-        imported = import_archive(other, archive)
-    assert (imported.new, imported.known) == (2, 0)
-    assert "is that of another recording" in imported.refused[0]
+        done = list(import_paths(other, [archive], [Archives()]))
+    assert [outcome.fate for outcome in done] == [Fate.NEW, Fate.NEW, Fate.REFUSED]
+    assert done[2].source == f"{archive}: recording {MADE[2].id}"
+    assert "is that of another recording" in str(done[2].reason)
+
+
+def test_signals_are_read_only_when_asked_for(archive: Path) -> None:
+    """Ids and digests come without the rows, which can be read after all of them were listed."""
+    rows = list(archive_rows(archive))
+    assert [(row.id, row.digest) for row in rows] == [(str(made.id), made.digest) for made in MADE]
+    assert [row.read().digest for row in rows] == [made.digest for made in MADE]
+
+
+def test_a_table_that_is_none_is_refused(archive: Path) -> None:
+    """A table with a right digest and no Parquet in it is an error in one sentence."""
+    (archive / "recordings.parquet").write_bytes(b"PAR1, or not")
+    manifest = json.loads((archive / "manifest.json").read_text())
+    manifest["sha256"]["recordings.parquet"] = file_digest(archive / "recordings.parquet")
+    (archive / "manifest.json").write_text(json.dumps(manifest))
+    with pytest.raises(DamagedError, match=r"recordings\.parquet: cannot be read"):
+        next(read_archive(archive))

@@ -153,19 +153,27 @@ def export(
 
 @app.command("import")
 def import_(
-    paths: Annotated[
-        list[Path], typer.Argument(metavar="PATH...", help="Archives, upload dictionaries, or folders of them.")
-    ],
+    paths: Annotated[list[Path] | None, typer.Argument(metavar="[PATH]...", help="Files, or folders of them.")] = None,
+    example: Annotated[bool, typer.Option("--example", help="Import the example that the package ships.")] = False,
+    columns: Annotated[
+        Path | None, typer.Option(help="What the columns of CSV files mean, in TOML; without it they are skipped.")
+    ] = None,
+    report: Annotated[Path | None, typer.Option(help="Write what became of everything to this file as JSON.")] = None,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Print every decision on how a file was read.")
     ] = False,
     place: StoreOption = None,
     blobs: BlobsOption = None,
 ) -> None:
-    """Put archives or upload dictionaries into the store; what is there already stays as it is."""
-    from palpate.cli.storing import check_there, import_path, opened
+    """Put recordings from files into the store; what is there already stays as it is."""
+    from palpate.cli.importing import check_paths, formats_of, import_shown
+    from palpate.cli.storing import opened
+    from palpate.store.importing.items import Fate
+    from palpate.store.importing.own_formats import EXAMPLE
 
-    check_there(paths)
+    wanted = [*(paths or ()), *([EXAMPLE] if example else [])]
+    check_paths(wanted, report)
+    formats = formats_of(columns)
     with opened(place, blobs) as found:
-        refused = sum(import_path(found, path, verbose=verbose) for path in paths)
-    raise typer.Exit(1 if refused else 0)
+        done = import_shown(found, wanted, formats, report_file=report, verbose=verbose)
+    raise typer.Exit(1 if done.count(Fate.REFUSED) else 0)

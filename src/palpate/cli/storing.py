@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib.util import find_spec
-from pathlib import Path
 from typing import TYPE_CHECKING
 from uuid import UUID
 
@@ -20,9 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "check_installed",
-    "check_there",
     "found_recording",
-    "import_path",
     "labels_of",
     "moment_of",
     "opened",
@@ -90,43 +87,3 @@ def tell_faults(faults: Iterable[Fault]) -> Sequence[Fault]:
         told.append(fault)
     print(plural(len(told), "fault") if told else "all is as it was written")
     return told
-
-
-def check_there(paths: Sequence[Path]) -> None:
-    """Find out before anything is imported whether all paths exist."""
-    for path in paths:
-        if not path.exists():
-            raise PalpateError(f"{path}: no such file or folder, expected an archive or upload dictionaries")
-
-
-def import_path(store: Store, path: Path, *, verbose: bool) -> int:
-    """Import an archive, or upload dictionaries; say what became of them, and return how many were refused."""
-    if (path / "manifest.json").is_file():
-        return _import_archive(store, path)
-    return _import_uploads(store, path, verbose=verbose)
-
-
-def _import_archive(store: Store, path: Path) -> int:
-    from palpate.store.archive import import_archive
-
-    imported = import_archive(store, path)
-    for reason in imported.refused:
-        print(f"refused: {reason}")
-    print(f"{path}: {imported.new} new, {imported.known} there already, {len(imported.refused)} refused")
-    return len(imported.refused)
-
-
-def _import_uploads(store: Store, path: Path, *, verbose: bool) -> int:
-    from palpate.store.importing.uploads import import_uploads
-
-    new = known = refused = 0
-    for item in import_uploads(path, store.put):
-        if item.recording is None:
-            refused += 1
-            print(f"refused: {item.file}: {item.reason}")
-            continue
-        new, known = new + item.new, known + (not item.new)
-        for notice in item.recording.notices if verbose else ():
-            print(f"{item.file.name}: {notice}")
-    print(f"{path}: {new} new, {known} there already, {refused} refused")
-    return refused

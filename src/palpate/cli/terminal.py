@@ -1,4 +1,4 @@
-"""The console that tables are printed on."""
+"""The consoles: one that tables are printed on, and one for what is shown only meanwhile."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 
 from rich.console import Console
 
-__all__ = ["console"]
+__all__ = ["console", "error_console"]
 
 
 def console() -> Console:
@@ -16,3 +16,8 @@ def console() -> Console:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")
     return Console(highlight=False, emoji=False, markup=False)
+
+
+def error_console() -> Console:
+    """Standard error, where it does not mix with what is printed for others to read."""
+    return Console(stderr=True, highlight=False, emoji=False, markup=False)

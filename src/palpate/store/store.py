@@ -7,8 +7,8 @@ from types import TracebackType
 from typing import Self
 from uuid import UUID
 
-from sqlalchemy import Connection, Engine, bindparam, select, text
-from sqlalchemy.exc import DatabaseError, IntegrityError
+from sqlalchemy import Connection, Engine, text
+from sqlalchemy.exc import DBAPIError
 
 from palpate.store import schema
 from palpate.store.blobs import Blobs
@@ -17,7 +17,7 @@ from palpate.store.database import writing
 from palpate.store.decoding import recording_from
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.fetching import fetch
-from palpate.store.inserting import insert_rows
+from palpate.store.inserting import insert_rows, present_rows
 from palpate.store.outages import patiently
 from palpate.store.records import Receipt, Recording
 from palpate.store.registry import Lookup, Registry, now_us
@@ -27,12 +27,6 @@ __all__ = ["Store"]
 
 ATTEMPTS = 5
 DEADLOCK = "40P01"
-# SQLite takes so many parameters in one statement, and more
-CHUNK = 400
-THERE = select(schema.recordings.c.uuid, schema.recordings.c.digest).where(
-    schema.recordings.c.digest.in_(bindparam("digests", expanding=True))
-    | schema.recordings.c.uuid.in_(bindparam("ids", expanding=True))
-)
 TAKEN = "id: {} is that of another recording, expected an id of its own"
 
 
@@ -76,7 +70,7 @@ class Store:
         ------
         StoreError
             If it may not be kept (see `palpate.store.checks.check`), or its id belongs to another recording; nothing
-            is in the store then.
+            is in the store then. It is an `UnavailableError` where the database cannot be used.
         """
         return self.put_many([recording])[0]
 
@@ -93,6 +87,25 @@ class Store:
             check(recording)
         prepared = [prepare(recording, self.blobs) for recording in batch]
         return self._commit_or_again(prepared, ATTEMPTS)
+
+    def known(self, digests: Iterable[str]) -> set[str]:
+        """Which recordings of these digests are there.
+
+        Raises
+        ------
+        UnavailableError
+            If the database cannot be asked.
+        """
+        asked = [bytes.fromhex(digest) for digest in digests]
+        column, found = schema.recordings.c.digest, set[str]()
+        try:
+            with self.engine.connect() as connection:
+                for start in range(0, len(asked), CHUNK):
+                    rows = connection.execute(select(column).where(column.in_(asked[start : start + CHUNK])))
+                    found.update(digest.hex() for digest in rows.scalars())
+        except DatabaseError as error:
+            raise UnavailableError(f"store {self.engine.url!r}: {error.orig}") from None
+        return found
 
     def get(self, key: UUID | str) -> Recording:
         """A recording by its id or its digest, verified.
@@ -112,14 +125,17 @@ class Store:
         return recording_from(found[0])
 
     def _commit_or_again(self, batch: Sequence[Prepared], attempts: int) -> list[Receipt]:
+        # statements of the hot path meet the driver's errors as they are, others wrapped
+        driver = self.engine.dialect.loaded_dbapi
         try:
             return patiently(lambda: self._commit(batch))
-        except DatabaseError as error:
+        except (DBAPIError, driver.Error) as found:
+            error = found.orig if isinstance(found, DBAPIError) else found
             # somebody else has just put the same, and the next look finds it; or the two wait for each other
-            race = isinstance(error, IntegrityError) or getattr(error.orig, "sqlstate", None) == DEADLOCK
+            race = isinstance(error, driver.IntegrityError) or getattr(error, "sqlstate", None) == DEADLOCK
             if race and attempts > 1:
                 return self._commit_or_again(batch, attempts - 1)
-            raise UnavailableError(f"store {self.engine.url!r}: {error.orig}; nothing was kept") from None
+            raise UnavailableError(f"store {self.engine.url!r}: {error}; nothing was kept") from None
 
     def _commit(self, batch: Sequence[Prepared]) -> list[Receipt]:
         """One transaction that puts what is not there yet."""
@@ -134,18 +150,15 @@ class Store:
 
     def _present(self, connection: Connection, batch: Sequence[Prepared]) -> dict[str, UUID]:
         """Which of these recordings are there, by digest; refuse ids that others have."""
-        found: dict[str, UUID] = {}
         _check_ids(batch)
-        for start in range(0, len(batch), CHUNK):
-            part = [one.recording for one in batch[start : start + CHUNK]]
-            digests = {bytes.fromhex(recording.digest): recording for recording in part}
-            ids = {recording.id.bytes: recording for recording in part}
-            rows = connection.execute(THERE, {"digests": list(digests), "ids": list(ids)})
-            for uuid, digest in rows:
-                if digest in digests:
-                    found[digest.hex()] = UUID(bytes=uuid)
-                elif uuid in ids:
-                    raise StoreError(TAKEN.format(UUID(bytes=uuid)))
+        digests = [bytes.fromhex(one.recording.digest) for one in batch]
+        ids = [one.recording.id.bytes for one in batch]
+        asked, found = set(digests), dict[str, UUID]()
+        for uuid, digest in present_rows(connection, digests, ids):
+            if digest in asked:
+                found[digest.hex()] = UUID(bytes=uuid)
+            else:
+                raise StoreError(TAKEN.format(UUID(bytes=uuid)))
         return found
 
     def _insert(self, lookup: Lookup, batch: Sequence[Prepared]) -> None:

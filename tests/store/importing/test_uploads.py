@@ -13,8 +13,10 @@ from palpate.errors import LogError
 from palpate.store.checks import check
 from palpate.store.entries import Distribution, FailedEntry, Value
 from palpate.store.errors import StoreError
-from palpate.store.importing.uploads import import_uploads, read_upload
-from palpate.store.records import Recording
+from palpate.store.importing.intake import import_paths
+from palpate.store.importing.items import Fate
+from palpate.store.importing.uploads import UploadDictionaries, read_upload
+from palpate.store.store import Store
 
 POSE = {"rotation": [1.0, 2.0, 3.0], "translation": [0.1, 0.2, 0.3]}
 GRIP = {"hand": {"position": [1.0, 2.0], "time": [0.0, 1.0]}}
@@ -43,18 +45,6 @@ def upload(folder: Path, name: str, entry: Any, outputs: Any, **measurement: Any
     path = folder / ODD_NAME.format(name)
     path.write_text(json.dumps({"measurement": {**given, **measurement}, "entry": entry}))
     return path
-
-
-class Kept:
-    """A store that knows digests only."""
-
-    def __init__(self) -> None:
-        self.recordings: dict[str, Recording] = {}
-
-    def put(self, recording: Recording) -> Any:
-        new = recording.digest not in self.recordings
-        self.recordings[recording.digest] = recording
-        return type("Receipt", (), {"new": new, "digest": recording.digest})
 
 
 def test_a_squeeze_is_read(tmp_path: Path) -> None:
@@ -127,35 +117,28 @@ def test_files_beside_it_are_kept(tmp_path: Path) -> None:
     assert any("'b.png', is not there" in notice for notice in found.notices)
 
 
-def test_an_import_can_be_run_again(tmp_path: Path) -> None:
+def test_an_import_can_be_run_again(local: Store, tmp_path: Path) -> None:
     """The second import finds everything there; ids and digests are the same."""
     upload(tmp_path, "elasticity_0", number("elasticity", mean=42.0, std=4.5, units="kPa"), GRIP)
     upload(tmp_path, "mat-vision_0", labels("mat-vision", plastic=1.0), {})
-    store = Kept()
-    first = list(import_uploads(tmp_path, store.put))
-    again = list(import_uploads(tmp_path, store.put))
-    assert [done.new for done in first] == [True, True]
-    assert [done.new for done in again] == [False, False]
+    first, again = (list(import_paths(local, sorted(tmp_path.glob("*.json")), [UploadDictionaries()])) for _ in "ab")
+    assert [done.fate for done in first] == [Fate.NEW, Fate.NEW]
+    assert [done.fate for done in again] == [Fate.KNOWN, Fate.KNOWN]
     assert [done.recording and done.recording.id for done in first] == [
         done.recording and done.recording.id for done in again
     ]
 
 
-def test_one_bad_file_spoils_no_other(tmp_path: Path) -> None:
+def test_one_bad_file_spoils_no_other(local: Store, tmp_path: Path) -> None:
     """A file that is refused is told with the reason; the others are taken."""
-    upload(tmp_path, "a-bad-one_0", labels("mat-vision", plastic=0.6), {})
-    upload(tmp_path, "mat-vision_0", labels("mat-vision", plastic=1.0), {})
-    (tmp_path / ODD_NAME.format("zero_0")).write_text("{")
-    done = list(import_uploads(tmp_path, Kept().put))
-    assert [one.recording is not None for one in done] == [False, True, False]
-    assert "sum to 0.6" in str(done[0].reason)
-    assert "no readable JSON" in str(done[2].reason)
-
-
-def test_a_folder_without_uploads_is_an_error(tmp_path: Path) -> None:
-    """A folder with nothing to import is refused in one sentence."""
-    with pytest.raises(LogError, match="no file upload_dict_"):
-        list(import_uploads(tmp_path, Kept().put))
+    bad = upload(tmp_path, "a-bad-one_0", labels("mat-vision", plastic=0.6), {})
+    good = upload(tmp_path, "mat-vision_0", labels("mat-vision", plastic=1.0), {})
+    broken = tmp_path / ODD_NAME.format("zero_0")
+    broken.write_text("{")
+    done = {one.source: one for one in import_paths(local, [bad, good, broken], [UploadDictionaries()])}
+    assert [done[str(file)].fate for file in (bad, good, broken)] == [Fate.REFUSED, Fate.NEW, Fate.REFUSED]
+    assert "sum to 0.6" in str(done[str(bad)].reason)
+    assert "no readable JSON" in str(done[str(broken)].reason)
 
 
 junk = st.recursive(

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import mimetypes
+import os
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from palpate.store.errors import StoreError
 
-__all__ = ["check_name", "inside", "media_type_of"]
+__all__ = ["check_name", "inside", "leads_inside", "media_type_of", "portable_name"]
 
 
 def check_name(name: str, where: str) -> str:
@@ -39,6 +40,22 @@ def check_name(name: str, where: str) -> str:
     return windows.as_posix()
 
 
+def portable_name(name: str) -> str:
+    """Return the name for a file that is there, with ``_`` for characters that some file system does not allow.
+
+    Examples
+    --------
+    >>> portable_name("imgs/12:30:05.png")
+    'imgs/12_30_05.png'
+    """
+    return "".join("_" if _is_odd(letter) else letter for letter in name)
+
+
+def _is_odd(letter: str) -> bool:
+    # bytes that are no text stand as halves of surrogate pairs
+    return ord(letter) < 32 or letter in '<>:"|?*\\' or "\ud800" <= letter <= "\udfff"
+
+
 def inside(folder: Path, name: str, where: str) -> Path:
     """Return the path of a file that a name in `folder` stands for, whether it is there or not.
 
@@ -48,9 +65,15 @@ def inside(folder: Path, name: str, where: str) -> Path:
         As `check_name`, or if a symbolic link on the way leads out of the folder.
     """
     path = folder / check_name(name, where)
-    if not path.resolve().is_relative_to(folder.resolve()):
+    if not leads_inside(folder, path):
         raise StoreError(f"{where}: {name!r} is a link that leads out of its folder, expected a path inside it")
     return path
+
+
+def leads_inside(folder: Path, path: Path) -> bool:
+    """Tell whether a path is inside a folder after all links on the way were followed."""
+    # a link to itself leads nowhere, and pathlib has an error for it
+    return Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
 
 
 def media_type_of(name: str) -> str:

@@ -19,7 +19,7 @@ from palpate.store.importing.paths import inside
 from palpate.store.importing.plain import FIELDS, decode, updated
 from palpate.store.records import Channel, FileItem, Recording, Series
 
-__all__ = ["is_whole", "read_folder", "read_remainder"]
+__all__ = ["is_whole", "read_folder", "read_remainder", "stated_digest"]
 
 Line = Mapping[str, Any]
 
@@ -74,6 +74,13 @@ def is_whole(folder: Path) -> bool:
     """Tell whether the journal has its last line."""
     lines = _lines(folder)
     return bool(lines) and "end" in lines[-1]
+
+
+def stated_digest(folder: Path) -> str | None:
+    """The digest that the last line of the journal states; None where there is none."""
+    lines = _lines(folder)
+    digest = lines[-1].get("end") if lines else None
+    return digest if isinstance(digest, str) else None
 
 
 def _lines(folder: Path) -> list[Line]:

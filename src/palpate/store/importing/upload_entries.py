@@ -37,9 +37,7 @@ def _distribution(dictionary: UploadDictionary, property: str, conventions: Conv
 
 def _mean_of_series(dictionary: UploadDictionary, property: str, channel: str, unit: str, notices: list[str]) -> Entry:
     given = dictionary.first_value()
-    told = (
-        f"the entry (mean {given.get('mean')}, std {given.get('std')}) is derived, not measured: it is kept as a file"
-    )
+    told = f"the entry (mean {given.get('mean')}, std {given.get('std')}) is derived, not measured: it is no result"
     series, _ = dictionary.signals()
     samples = next((values for key, values in series.items() if key.rpartition(".")[2] == channel), ())
     if not samples or not all(math.isfinite(sample) for sample in samples):
@@ -57,7 +55,7 @@ def _value(dictionary: UploadDictionary, place: int, given: Any, conventions: Co
     name = str(given.get("name") or dictionary.at("entry", "name"))
     property = conventions.properties.get(name, name)
     mean, sd, unit = given.get("mean"), given.get("std"), given.get("units")
-    if not isinstance(mean, int | float) or not math.isfinite(mean):
+    if isinstance(mean, bool) or not isinstance(mean, int | float) or not math.isfinite(mean):
         notices.append(f"the mean of {property} is {mean} and not a number: this is a failed measurement (std {sd})")
         return FailedEntry(f"the mean is {mean}", property)
     if unit is None:

@@ -6,7 +6,6 @@ raw signals) and an entry, what was made of it.
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,6 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from palpate.errors import LogError
+from palpate.store.errors import StoreError
+from palpate.store.importing.json_text import read_json
 
 __all__ = ["AS_PUBLISHED", "FILE_NAME", "FORM", "Conventions", "UploadDictionary", "files_in"]
 
@@ -87,11 +88,9 @@ class UploadDictionary:
         if not match:
             raise LogError(f"{path}: a name of the form {FORM} was expected, as it tells the entry and the time")
         try:
-            content = json.loads(path.read_text(encoding="utf-8"))
-        except OSError as error:
-            raise LogError(f"{path} cannot be read: {error.strerror or error}") from error
-        except (ValueError, RecursionError) as error:
-            raise LogError(f"{path}: this is no readable JSON: {error}") from error
+            content = read_json(path)
+        except StoreError as error:
+            raise LogError(str(error)) from error
         return cls(str(path), match["name"], match["time"], content)
 
     def at(self, *keys: str) -> Any:

@@ -1,0 +1,62 @@
+"""An import in the terminal: a bar while it runs, and what became of everything."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from palpate.cli.terminal import error_console
+from palpate.figures.wording import plural
+from palpate.store.importing.items import Fate
+
+if TYPE_CHECKING:
+    from palpate.store.importing.items import Outcome
+    from palpate.store.importing.report import Report
+
+__all__ = ["bar", "outcome_lines", "report_lines"]
+
+SHOWN = 50
+"""Refused or skipped files that are named; a report as a file has them all."""
+
+
+@contextmanager
+def bar(counted: Callable[[], int]) -> Iterator[Callable[[], None]]:
+    """A bar with the time left on standard error; it gives what to call for each step.
+
+    Parameters
+    ----------
+    counted
+        Counts the steps; asked only where there is a bar to show.
+    """
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    screen = error_console()
+    with Progress(*columns, console=screen, transient=True, disable=not screen.is_terminal) as progress:
+        task = progress.add_task("Importing", total=None)
+        if screen.is_terminal:
+            progress.update(task, total=counted())
+        yield lambda: progress.advance(task)
+
+
+def outcome_lines(outcome: Outcome) -> Iterator[str]:
+    """The decisions on how a file was read."""
+    for notice in () if outcome.recording is None else outcome.recording.notices:
+        yield f"{outcome.source}: {notice}"
+
+
+def report_lines(report: Report) -> Iterator[str]:
+    """Each file that was refused or skipped, with the reason, and the counts."""
+    for fate in (Fate.REFUSED, Fate.SKIPPED):
+        left = [one for one in report.left if one.fate is fate]
+        yield from (f"{fate.value}: {one.source}: {one.reason}" for one in left[:SHOWN])
+        if len(left) > SHOWN:
+            yield f"{fate.value}: {plural(len(left) - SHOWN, 'more file')}, named in a file by --report FILE"
+    yield counts_line(report)
+
+
+def counts_line(report: Report) -> str:
+    """How many have met each fate."""
+    words = {Fate.NEW: "new", Fate.KNOWN: "there already", Fate.REFUSED: "refused", Fate.SKIPPED: "skipped"}
+    return ", ".join(f"{report.count(fate)} {word}" for fate, word in words.items())

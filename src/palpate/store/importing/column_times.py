@@ -1,0 +1,132 @@
+"""When a CSV file was recorded, and when its samples were taken, as a column map says."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta, tzinfo
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.network.units import factor
+from palpate.store.errors import StoreError
+from palpate.store.importing.csv_table import CsvTable
+
+__all__ = ["FileTime", "Moment", "MomentColumn", "MomentInName", "TimeColumn", "TimeForm", "groups_in_name"]
+
+UNIX = "unix"
+"""A form of time: seconds since 1970."""
+EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+
+
+class Moment(Protocol):
+    """Where it stands when a file was recorded."""
+
+    def moment(self, table: CsvTable, notices: list[str]) -> datetime:
+        """The time of a file; StoreError where it cannot be told."""
+
+
+@dataclass(frozen=True)
+class TimeForm:
+    """How a time is written.
+
+    Attributes
+    ----------
+    form
+        As `datetime.strptime` has it, `UNIX`, or None for ISO 8601.
+    zone
+        Of times that state none; None where nobody knows.
+    """
+
+    form: str | None = None
+    zone: tzinfo | None = None
+
+    def read(self, text: str, notices: list[str]) -> datetime:
+        """A time; ValueError or OverflowError where the text has another form."""
+        if self.form == UNIX:
+            return EPOCH + timedelta(seconds=float(text))
+        moment = datetime.fromisoformat(text) if self.form is None else datetime.strptime(text, self.form)
+        if moment.utcoffset() is None and self.zone is None:
+            notices.append("the time states no time zone: UTC is assumed")
+        return moment if moment.utcoffset() is not None else moment.replace(tzinfo=self.zone or UTC)
+
+    @property
+    def words(self) -> str:
+        """What is expected."""
+        return "seconds since 1970" if self.form == UNIX else f"a time {self.form or 'such as 2024-05-01T14:00:00'}"
+
+
+@dataclass(frozen=True)
+class MomentColumn:
+    """A time in a column: that of the first row is the recording's."""
+
+    column: str
+    form: TimeForm
+
+    def moment(self, table: CsvTable, notices: list[str]) -> datetime:
+        """The time in the first cell."""
+        line, text = next(table.cells(self.column))
+        try:
+            return self.form.read(text, notices)
+        except (ValueError, OverflowError):
+            raise table.error(line, self.column, text, self.form.words) from None
+
+
+@dataclass(frozen=True)
+class MomentInName:
+    """A time in the file's name: the group ``time`` of a pattern."""
+
+    pattern: re.Pattern[str]
+    form: TimeForm
+
+    def moment(self, table: CsvTable, notices: list[str]) -> datetime:
+        """The time that the name tells."""
+        text = groups_in_name(self.pattern, table).get("time") or ""
+        try:
+            return self.form.read(text, notices)
+        except (ValueError, OverflowError):
+            raise StoreError(f"{table.file}: found {text!r} in the name, expected {self.form.words}") from None
+
+
+@dataclass(frozen=True)
+class FileTime:
+    """The time at which a file was last changed, which copying may change."""
+
+    def moment(self, table: CsvTable, notices: list[str]) -> datetime:
+        """The time of the file."""
+        notices.append("the time is that of the last change of the file, as nothing else tells it")
+        return EPOCH + timedelta(microseconds=table.file.stat().st_mtime_ns // 1000)
+
+
+@dataclass(frozen=True)
+class TimeColumn:
+    """Time stamps in a column."""
+
+    column: str
+    unit: str
+
+    def time_s(self, table: CsvTable) -> NDArray[np.float64]:
+        """Time stamps [s]; each row must have one."""
+        stamps = table.numbers(self.column) * factor(self.unit, "s")
+        if not np.isfinite(stamps).all():
+            place = int(np.flatnonzero(~np.isfinite(stamps))[0])
+            line, cell = list(table.cells(self.column))[place]
+            raise table.error(line, self.column, cell, "a time stamp")
+        return stamps
+
+
+def groups_in_name(pattern: re.Pattern[str], table: CsvTable) -> Mapping[str, str | None]:
+    """What the groups of a pattern are in the name of a file.
+
+    Raises
+    ------
+    StoreError
+        If the pattern is nowhere in it.
+    """
+    found = pattern.search(table.file.name)
+    if found is None:
+        raise StoreError(f"{table.file}: the name does not fit the pattern {pattern.pattern!r} of the column map")
+    return found.groupdict()

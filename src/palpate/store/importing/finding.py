@@ -1,0 +1,79 @@
+"""Finding what can be imported among files and folders."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from palpate.errors import PalpateError
+from palpate.store.importing.items import Fate, Format, Item, Outcome
+
+__all__ = ["Found", "count_items", "find"]
+
+UNKNOWN = "of no format that palpate knows"
+LINK = "a link: links inside a folder are not followed, give what it points to"
+
+
+@dataclass(frozen=True)
+class Found:
+    """A file or folder of a format."""
+
+    path: Path
+    format: Format
+
+    def count(self) -> int:
+        """How many items there are; one where that cannot be told, as `items` tells what is wrong."""
+        try:
+            return self.format.count(self.path)
+        except (PalpateError, OSError):
+            return 1
+
+    def items(self) -> Iterator[Item | Outcome]:
+        """The items; where they cannot be read to the end, that is the last one."""
+        try:
+            yield from self.format.items(self.path)
+        except (PalpateError, OSError) as error:
+            yield Outcome(str(self.path), Fate.REFUSED, told(error, self.path))
+
+
+def find(paths: Iterable[Path], formats: Sequence[Format]) -> Iterator[Found | Outcome]:
+    """Look at files and folders, and into folders that are of no format themselves.
+
+    Yields
+    ------
+    Found or Outcome
+        In alphabetical order; what no format owns is skipped, and so are links inside a folder.
+    """
+    # paths go as deep as a disk allows, calls do not
+    waiting = list(reversed(list(paths)))
+    while waiting:
+        path = waiting.pop()
+        owner = next((each for each in formats if each.owns(path)), None)
+        if owner is not None:
+            yield Found(path, owner)
+        elif not path.is_dir():
+            yield Outcome(str(path), Fate.SKIPPED, UNKNOWN)
+        else:
+            try:
+                inner = sorted(path.iterdir(), reverse=True)
+            except OSError as error:
+                yield Outcome(str(path), Fate.REFUSED, told(error, path))
+                continue
+            yield from (Outcome(str(link), Fate.SKIPPED, LINK) for link in reversed(inner) if link.is_symlink())
+            waiting += [one for one in inner if not one.is_symlink()]
+
+
+def count_items(paths: Iterable[Path], formats: Sequence[Format]) -> int:
+    """How many outcomes an import of these paths will have."""
+    return sum(one.count() if isinstance(one, Found) else 1 for one in find(paths, formats))
+
+
+def told(error: Exception, source: Path | str) -> str:
+    """What an error says, without the place that stands before it already."""
+    if isinstance(error, OSError):
+        place = "" if error.filename is None or str(error.filename) == str(source) else f"{error.filename} "
+        return f"{place}cannot be read: {error.strerror or error}"
+    if isinstance(error, RecursionError):
+        return "is nested too deeply to be read"
+    return str(error).removeprefix(f"{source}: ").removeprefix(f"{source} ")

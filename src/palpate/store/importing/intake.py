@@ -1,0 +1,150 @@
+"""The one loop that puts items of any format into a store."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+
+from palpate.errors import PalpateError
+from palpate.store.checks import check
+from palpate.store.errors import StoreError, UnavailableError
+from palpate.store.importing.finding import Found, find, told
+from palpate.store.importing.items import Fate, Format, Item, Outcome
+from palpate.store.records import FileItem, Recording
+from palpate.store.store import Store
+
+__all__ = ["import_paths"]
+
+AT_ONCE = 200
+"""Items that are looked up together, and recordings of one transaction at most."""
+LARGEST_BATCH_BYTES = 32 << 20
+"""Signals and files of one transaction, after which no more is read before they are kept."""
+
+
+@dataclass(frozen=True, eq=False)
+class Read:
+    """A recording that was read, and what it was read from."""
+
+    source: str
+    recording: Recording
+    size_bytes: int
+
+
+def import_paths(store: Store, paths: Iterable[Path], formats: Sequence[Format]) -> Iterator[Outcome]:
+    """Put the recordings in files and folders into a store, and tell what became of each once it is committed.
+
+    Whatever ends this in the middle, what was committed is whole and stays. Run again it goes on: a recording that
+    the store has is known by its digest.
+
+    Parameters
+    ----------
+    store
+        Where they go.
+    paths
+        Files and folders; a folder may hold any of the formats.
+    formats
+        Which are looked for; the first that owns a path reads it.
+
+    Yields
+    ------
+    Outcome
+        One for each item, and at the end those of files that nothing could be made of.
+
+    Raises
+    ------
+    UnavailableError
+        If the store cannot be used any more. What is wrong with a file or recording is told in its outcome.
+    """
+    unknown: list[Outcome] = []
+    used: set[str] = set()
+    for outcome in _taken(store, _items(find(paths, formats), unknown)):
+        used.update(_files_beside(outcome))
+        yield outcome
+    # a picture that lies beside the file that names it belongs to that one
+    yield from (outcome for outcome in unknown if outcome.source not in used)
+
+
+def _items(found: Iterable[Found | Outcome], unknown: list[Outcome]) -> Iterator[Item | Outcome]:
+    """The items of all that was found; what nothing can be made of is put aside."""
+    for one in found:
+        if isinstance(one, Found):
+            yield from one.items()
+        else:
+            unknown.append(one)
+
+
+def _files_beside(outcome: Outcome) -> Iterator[str]:
+    """The files that a recording in a single file took from elsewhere."""
+    files = () if outcome.recording is None else outcome.recording.files
+    if any(isinstance(item.data, Path) for item in files) and Path(outcome.source).is_file():
+        yield from (str(item.data) for item in files if isinstance(item.data, Path))
+
+
+def _taken(store: Store, items: Iterator[Item | Outcome]) -> Iterator[Outcome]:
+    """Read items and put them into the store, as many at once as is quick."""
+    while chunk := list(islice(items, AT_ONCE)):
+        known = store.known(item.digest for item in chunk if isinstance(item, Item) and item.digest)
+        batch, size_bytes = list[Read](), 0
+        for item in chunk:
+            outcome = _read(item, known)
+            if isinstance(outcome, Outcome):
+                yield outcome
+                continue
+            batch.append(outcome)
+            size_bytes += outcome.size_bytes
+            if size_bytes > LARGEST_BATCH_BYTES:
+                yield from _keep(store, batch)
+                batch, size_bytes = [], 0
+        yield from _keep(store, batch)
+
+
+def _read(item: Item | Outcome, known: Collection[str]) -> Read | Outcome:
+    """A recording that may be kept as far as it can tell itself, or what became of the item without one."""
+    if isinstance(item, Outcome):
+        return item
+    if item.digest in known:
+        return Outcome(item.source, Fate.KNOWN)
+    try:
+        recording = item.read()
+        check(recording)
+        # this reads its files, so that one that cannot be read is found before anything is put
+        recording.digest  # noqa: B018
+        return Read(item.source, recording, _size_bytes(recording))
+    except (PalpateError, OSError, RecursionError) as error:
+        return Outcome(item.source, Fate.REFUSED, told(error, item.source))
+
+
+def _keep(store: Store, batch: Sequence[Read]) -> Iterator[Outcome]:
+    """Keep what the store does not have: looking up a digest is quicker than putting it again."""
+    known = store.known(one.recording.digest for one in batch)
+    yield from (Outcome(one.source, Fate.KNOWN, None, one.recording) for one in batch if one.recording.digest in known)
+    yield from _put(store, [one for one in batch if one.recording.digest not in known])
+
+
+def _put(store: Store, batch: Sequence[Read]) -> Iterator[Outcome]:
+    """Put recordings at once; where one is refused, each half by itself, so that it does not hold up the others."""
+    try:
+        receipts = store.put_many(one.recording for one in batch) if batch else []
+    except UnavailableError:
+        raise
+    except StoreError as error:
+        if len(batch) == 1:
+            yield Outcome(batch[0].source, Fate.REFUSED, told(error, batch[0].source))
+            return
+        middle = len(batch) // 2
+        yield from _put(store, batch[:middle])
+        yield from _put(store, batch[middle:])
+        return
+    for one, receipt in zip(batch, receipts, strict=True):
+        yield Outcome(one.source, Fate.NEW if receipt.new else Fate.KNOWN, None, one.recording)
+
+
+def _size_bytes(recording: Recording) -> int:
+    arrays = sum(channel.values.nbytes for series in recording.series for channel in series.channels)
+    return arrays + len(recording.log) + sum(_file_bytes(item) for item in recording.files)
+
+
+def _file_bytes(item: FileItem) -> int:
+    return len(item.data) if isinstance(item.data, bytes) else item.data.stat().st_size

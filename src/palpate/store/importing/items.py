@@ -1,0 +1,91 @@
+"""What an import handles: items to read, what became of them, and the formats that find them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from enum import Enum
+from pathlib import Path
+from typing import Protocol
+from uuid import NAMESPACE_URL, uuid5
+
+from palpate.store.records import Recording
+
+__all__ = ["Fate", "Format", "Item", "Outcome", "identified"]
+
+
+class Fate(Enum):
+    """What became of an item."""
+
+    NEW = "new"
+    KNOWN = "known"
+    REFUSED = "refused"
+    SKIPPED = "skipped"
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What became of one item, or of one file that is none.
+
+    Attributes
+    ----------
+    source
+        The file or folder; with the recording's id where it holds several.
+    fate
+        What became of it.
+    reason
+        Why it was refused or skipped; None where it was not.
+    recording
+        What was read; None where nothing was, as when its digest alone told that it is there.
+    """
+
+    source: str
+    fate: Fate
+    reason: str | None = None
+    recording: Recording | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Item:
+    """One recording that has not been read yet.
+
+    Attributes
+    ----------
+    source
+        The file or folder that it is in, for people.
+    read
+        Reads it; raises a `PalpateError` or an `OSError` where there is none.
+    digest
+        Of the recording, where it can be told without reading it: then one that a store has is not read at all.
+    """
+
+    source: str
+    read: Callable[[], Recording]
+    digest: str | None = None
+
+
+class Format(Protocol):
+    """One way in which files hold recordings."""
+
+    def owns(self, path: Path) -> bool:
+        """Tell whether a file or a whole folder is of this format; its content need not be right."""
+
+    def count(self, path: Path) -> int:
+        """How many items there are, for a bar of progress."""
+
+    def items(self, path: Path) -> Iterator[Item | Outcome]:
+        """Give the recordings, and what is refused or skipped before it is read.
+
+        Raises
+        ------
+        PalpateError, OSError
+            If nothing, or no more, can be read.
+        """
+
+
+def identified(recording: Recording) -> Recording:
+    """A recording of a file that has no id for it, under one of its digest: the same file has the same id again."""
+    found = replace(recording, id=uuid5(NAMESPACE_URL, f"palpate:{recording.digest}"))
+    # the id is no part of what is hashed, and hashing takes longer than all else here
+    vars(found).update(document=recording.document, digest=recording.digest)
+    return found

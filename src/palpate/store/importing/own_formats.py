@@ -1,0 +1,62 @@
+"""What Palpate writes itself, to be imported: archives, and the folders of recordings of a spool."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+
+from palpate.store.archive import MANIFEST, NAME, RECORDINGS
+from palpate.store.importing.folder import JOURNAL
+from palpate.store.importing.items import Item
+from palpate.store.importing.reading_folder import read_folder, stated_digest
+from palpate.store.reading_archive import archive_rows, stated_count
+
+__all__ = ["EXAMPLE", "Archives", "RecordingFolders"]
+
+EXAMPLE = Path(__file__).parents[2] / "data" / "example_archive"
+"""An archive that the package ships: one session of a robot with one object."""
+
+DIGEST = re.compile("[0-9a-f]{64}")
+BEGINNING = 4096
+"""Characters of a manifest in which the name of the format stands."""
+
+
+class Archives:
+    """The folder of an archive."""
+
+    def owns(self, path: Path) -> bool:
+        """Tell whether it is a folder with a manifest, and a table or the format's name in it."""
+        manifest = path / MANIFEST
+        if not manifest.is_file():
+            return False
+        with manifest.open(encoding="utf-8", errors="replace") as opened:
+            return (path / RECORDINGS).exists() or NAME in opened.read(BEGINNING)
+
+    def count(self, path: Path) -> int:
+        """As many as the manifest states."""
+        return stated_count(path)
+
+    def items(self, path: Path) -> Iterator[Item]:
+        """The recordings; what is there already need not be read, as its digest is stated."""
+        for row in archive_rows(path):
+            digest = row.digest if DIGEST.fullmatch(row.digest or "") else None
+            yield Item(f"{path}: recording {row.id}", row.read, digest)
+
+
+class RecordingFolders:
+    """The folder of one recording, as a spool has it."""
+
+    def owns(self, path: Path) -> bool:
+        """Tell whether there is a journal."""
+        return (path / JOURNAL).is_file()
+
+    def count(self, path: Path) -> int:
+        """One."""
+        return 1
+
+    def items(self, path: Path) -> Iterator[Item]:
+        """The recording; its digest is the last thing in the journal."""
+        digest = stated_digest(path)
+        yield Item(str(path), partial(read_folder, path), digest if DIGEST.fullmatch(digest or "") else None)

@@ -1,0 +1,137 @@
+"""Reading an archive: its recordings one by one, each verified before it is given."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from palpate.store.archive import MANIFEST, RECORDINGS, TABLES, VERSION
+from palpate.store.archive_rows import recording_at, recordings_schema
+from palpate.store.content import file_digest
+from palpate.store.errors import DamagedError, StoreError
+from palpate.store.records import Recording
+
+if TYPE_CHECKING:
+    from pyarrow.parquet import FileMetaData, ParquetFile
+
+__all__ = ["ArchiveRow", "archive_rows", "check_archive", "read_archive", "stated_count"]
+
+
+@dataclass(frozen=True, eq=False)
+class ArchiveRow:
+    """A recording of an archive that has not been read yet.
+
+    Attributes
+    ----------
+    id, digest
+        As the archive states them; what is read has this digest or is an error.
+    read
+        Reads it; its files stay where they are until they are read. Raises `DamagedError` if it is not what was
+        written.
+    """
+
+    id: str
+    digest: str
+    read: Callable[[], Recording]
+
+
+def read_archive(folder: Path) -> Iterator[Recording]:
+    """Give the recordings of an archive, each one verified; files stay where they are until they are read.
+
+    Raises
+    ------
+    StoreError
+        If it is no archive, or one of a newer version.
+    DamagedError
+        If a file or a recording of the archive is not the one that was written.
+    """
+    return (row.read() for row in archive_rows(folder))
+
+
+def archive_rows(folder: Path) -> Iterator[ArchiveRow]:
+    """Give the recordings of an archive without reading their signals before they are asked for.
+
+    Raises
+    ------
+    StoreError, DamagedError
+        As `read_archive`.
+    """
+    check_archive(folder)
+    path = folder / RECORDINGS
+    with _opened(path) as table:
+        if not table.schema_arrow.equals(recordings_schema()):
+            raise StoreError(f"{path}: has other columns, expected those of version {VERSION}")
+        metadata = table.metadata
+    for group in range(metadata.num_row_groups):
+        # a group is read at most once, when the first of its recordings is asked for, and forgotten with the last
+        whole = cache(partial(_rows, path, metadata, group))
+        for place, row in enumerate(_rows(path, metadata, group, ["id", "digest"])):
+            yield ArchiveRow(row["id"], row["digest"], partial(_recording, whole, place, folder))
+
+
+def stated_count(folder: Path) -> int:
+    """How many recordings an archive states that it has.
+
+    Raises
+    ------
+    StoreError
+        If it is no archive.
+    """
+    return _manifest(folder)[1]
+
+
+def check_archive(folder: Path) -> None:
+    """Refuse an archive of another version, and one whose tables are not those that were written.
+
+    Raises
+    ------
+    StoreError, DamagedError
+        As `read_archive`.
+    """
+    version, _, digests = _manifest(folder)
+    if version != VERSION:
+        raise StoreError(f"{folder / MANIFEST}: version {version!r}, expected {VERSION}: update palpate")
+    for name, digest in digests.items():
+        if not (folder / name).is_file() or file_digest(folder / name) != digest:
+            raise DamagedError(f"{folder / name}: is missing or not the file that was written with {MANIFEST}")
+
+
+def _manifest(folder: Path) -> tuple[Any, int, Mapping[str, Any]]:
+    """Version, number of recordings, and the digest of each table."""
+    path = folder / MANIFEST
+    try:
+        manifest = json.loads(path.read_text(encoding="utf-8"))
+        digests = {name: manifest["sha256"][name] for name in TABLES}
+        return manifest["version"], int(manifest["recordings"]), digests
+    except FileNotFoundError:
+        raise StoreError(f"{path}: is missing, expected the folder of an archive") from None
+    except (ValueError, TypeError, KeyError, RecursionError):
+        raise StoreError(f"{path}: cannot be read, expected the manifest of an archive") from None
+
+
+@contextmanager
+def _opened(path: Path, metadata: FileMetaData | None = None) -> Iterator[ParquetFile]:
+    """A table; what is wrong with it is a `DamagedError`."""
+    from pyarrow import ArrowException
+    from pyarrow.parquet import ParquetFile
+
+    try:
+        with ParquetFile(path, metadata=metadata) as table:
+            yield table
+    except ArrowException as error:
+        raise DamagedError(f"{path}: cannot be read ({error}), expected a table that palpate wrote") from error
+
+
+def _rows(path: Path, metadata: FileMetaData, group: int, columns: Sequence[str] | None = None) -> list[dict[str, Any]]:
+    with _opened(path, metadata) as table:
+        rows: list[dict[str, Any]] = table.read_row_group(group, columns=columns).to_pylist()
+    return rows
+
+
+def _recording(rows: Callable[[], Sequence[Mapping[str, Any]]], place: int, folder: Path) -> Recording:
+    return recording_at(rows()[place], folder)
