@@ -35,10 +35,13 @@ def start_page(namespace: dict[str, Any]) -> None:
     namespace["_home"] = Path.cwd()
     namespace["_folder"] = TemporaryDirectory()
     os.chdir(namespace["_folder"].name)
+    # what an example records is none of the user's
+    os.environ["PALPATE_SPOOL"] = str(Path.cwd() / "spool")
 
 
 def end_page(namespace: Mapping[str, Any]) -> None:
     os.chdir(namespace["_home"])
+    del os.environ["PALPATE_SPOOL"]
     namespace["_folder"].cleanup()
 
 

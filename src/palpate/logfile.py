@@ -11,7 +11,7 @@ from typing import IO, Any
 
 from palpate.errors import LogError
 
-__all__ = ["EPISODE_FORMAT", "SESSION_FORMAT", "Line", "read_lines", "write_line"]
+__all__ = ["EPISODE_FORMAT", "SESSION_FORMAT", "Line", "finite", "read_lines", "write_line"]
 
 EPISODE_FORMAT = "palpate-episode/1"
 SESSION_FORMAT = "palpate-session/1"
@@ -65,7 +65,7 @@ def read_lines(path: str | Path, *formats: str) -> tuple[Line, ...]:
 
 def write_line(file: IO[str], record: Mapping[str, Any]) -> None:
     """Write a record as a line, with null in place of NaN and infinity."""
-    file.write(json.dumps(_finite(record), ensure_ascii=False, allow_nan=False) + "\n")
+    file.write(json.dumps(finite(record), ensure_ascii=False, allow_nan=False) + "\n")
 
 
 def _record(path: str | Path, number: int, row: str, unfinished: bool) -> Mapping[str, Any]:
@@ -80,10 +80,10 @@ def _record(path: str | Path, number: int, row: str, unfinished: bool) -> Mappin
     return record
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
     """Return the value with null in place of NaN and infinity, which JSON does not have."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, Mapping):
-        return {key: _finite(item) for key, item in value.items()}
-    return [_finite(item) for item in value] if isinstance(value, list | tuple) else value
+        return {key: finite(item) for key, item in value.items()}
+    return [finite(item) for item in value] if isinstance(value, list | tuple) else value

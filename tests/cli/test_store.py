@@ -114,9 +114,11 @@ def test_entries_in_words(entry: Entry, words: str) -> None:
 
 
 def test_every_command_is_there() -> None:
-    """The group has the six commands."""
-    names = set(getattr(typer.main.get_command(command.app), "commands", {}))
-    assert names == {"show", "list", "verify", "repair", "export", "import"}
+    """The group has its commands, and one object has its own."""
+    commands = getattr(typer.main.get_command(command.app), "commands", {})
+    kept = {"show", "list", "verify", "repair", "export", "import"}
+    assert set(commands) == kept | {"table", "curves", "devices", "objects", "object", "episodes", "episode", "schema"}
+    assert set(commands["object"].commands) == {"show", "add", "set", "know", "forget", "merge", "split", "undo"}
 
 
 def test_what_is_not_installed_is_named(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
+from palpate.store.episodes import StoredEpisode
 from palpate.store.records import Channel, Device, FileItem, Pose, Recording, Series, Setup, ThingRef
 from palpate.store.signals import QUANTITIES
 
@@ -34,6 +35,17 @@ def squeeze(number: int = 0, **changes: Any) -> Recording:
     return Recording(**{**fields, **changes})
 
 
+def made_episode(*recordings: Recording, number: int = 0, stop: str | None = None, **changes: Any) -> StoredEpisode:
+    """An exploration with a step for each recording; another one for each number."""
+    header = {"format": "palpate-episode/1", "network": {"name": "household"}, "objective": "mass", "number": number}
+    fields: dict[str, Any] = {"started_at": START + timedelta(hours=number), "thing": ThingRef("made_up", "object0")}
+    episode = StoredEpisode(header=header, **{**fields, **changes})
+    for place, recording in enumerate(recordings, 1):
+        line = {"step": place, "action": recording.action, "outcome": {"action": recording.action, "value": 0.1}}
+        episode = episode.continued(line, recording.digest)
+    return episode if stop is None else episode.continued({"stop": stop})
+
+
 texts = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=8)
 names = texts.filter(bool)
 finite = st.floats(allow_nan=False, allow_infinity=False, width=32)
@@ -43,6 +55,8 @@ json_values = st.recursive(
     max_leaves=6,
 )
 attributes = st.dictionaries(names, json_values, max_size=3)
+# a quantity of one dimension would ask for units of that dimension
+quantities = names.filter(lambda name: name not in QUANTITIES)
 units = st.sampled_from(["g", "kPa", "dimensionless", None])
 dtypes = st.sampled_from(["<f8", ">f8", "<f4", "<f2", "<i8", ">i2", "|u1", "|b1"])
 
@@ -53,9 +67,7 @@ def channels(draw: st.DrawFn, name: str) -> Channel:
     shape = (count, *draw(st.lists(st.integers(0, 3), max_size=2)))
     values = draw(npst.arrays(np.dtype(draw(dtypes)), shape))
     time_s = draw(npst.arrays(np.float64, (count,), elements=finite))
-    # in any unit, so of no quantity whose dimension is known
-    quantity = draw(names.filter(lambda word: word not in QUANTITIES))
-    return Channel(name, quantity, draw(units), values, draw(st.none() | st.just(100.0)), time_s)
+    return Channel(name, draw(quantities), draw(units), values, draw(st.none() | st.just(100.0)), time_s)
 
 
 @st.composite

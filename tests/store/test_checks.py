@@ -16,6 +16,8 @@ from tests.store.made_up import GRIPPER, recordings, squeeze
 
 HALF_PAIR = "\ud800"
 TWO: Any = (0.0, 0.0)
+ENDLESS: dict[str, Any] = {}
+ENDLESS["in"] = ENDLESS
 
 
 def one_channel(**changes: Any) -> tuple[Series, ...]:
@@ -42,7 +44,12 @@ REFUSED = [
     ({"thing": ThingRef("a", "b", aliases=("",))}, r"thing.aliases\[0\]: is empty"),
     ({"setup": Setup(arm=GRIPPER)}, "setup.arm.kind: found 'gripper', expected 'arm'"),
     ({"setup": Setup(other=(Device("hand", "x"),))}, r"setup.other\[0\].kind: found 'hand'"),
+    (
+        {"setup": Setup(other=(Device("other", "x", calibrated_on="soon"),))},
+        r"setup.other\[0\].calibrated_on: found 'soon'",
+    ),
     ({"grasp": {1: 2}}, "grasp: found the key 1"),
+    ({"grasp": ENDLESS}, r"grasp\.in\.in\..*: is nested too deep, expected at most 100 levels"),
     ({"grasp": {"at": datetime(2024, 5, 1)}}, "grasp.at: found datetime"),
     ({"object_pose": Pose((0.0, float("nan"), 0.0))}, "object_pose.translation_m: found nan"),
     ({"gripper_pose": Pose((0.0, 0.0, 0.0), (1.0, 1.0, 0.0, 0.0))}, "gripper_pose.quaternion: length 1.414"),

@@ -1,16 +1,26 @@
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
-from sqlalchemy import inspect
+from sqlalchemy import inspect, text
 
 from palpate.store import schema
+from palpate.store.content import entry_plain, to_json
 from palpate.store.database import LATEST, connect, migrate, revision
+from palpate.store.describing import change_thing
+from palpate.store.entries import Distribution, Value
 from palpate.store.errors import StoreError
+from palpate.store.filters import Filter
+from palpate.store.keeping_episodes import get_episode, put_episode
+from palpate.store.listing import list_recordings
 from palpate.store.opening import open_store
+from palpate.store.records import ThingRef
 from palpate.store.store import Store
-from tests.store.made_up import squeeze
+from palpate.store.things import find_thing
+from palpate.store.verifying import verify
+from tests.store.made_up import made_episode, squeeze
 
 
 def test_migrations_make_the_schema(store: Store) -> None:
@@ -31,6 +41,33 @@ def test_migrations_go_down_and_up(store: Store) -> None:
         assert revision(connection) == LATEST
 
 
+@pytest.mark.parametrize("version", ["0001"])
+def test_filled_stores_of_earlier_versions_come_up(store: Store, version: str) -> None:
+    """Recordings, known properties and episodes survive the way down to a version and up again."""
+    mug = ThingRef("made_up", "object0")
+    receipt, episode = store.put(squeeze()), made_episode()
+    put_episode(store, replace(episode, steps=()))
+    change_thing(store, mug, lambda thing: thing.knowing(Distribution("material", {"wood": 1.0}), "ann"))
+    migrate(store.engine, version)
+    with store.engine.begin() as connection:
+        for name in ("mass", "mass"):
+            # an earlier version did not ask for a source
+            document = to_json(entry_plain(Value(name, 1.0, unit="g")))
+            sql = "INSERT INTO thing_properties (thing_id, property, document) VALUES (1, :name, :document)"
+            connection.execute(text(sql), {"name": name, "document": document})
+    migrate(store.engine, "head")
+    assert store.get(receipt.id) == squeeze(id=receipt.id)
+    assert get_episode(store, episode.id).digest == replace(episode, steps=()).digest
+    known = {one.source: one.entry for one in find_thing(store, "object0").known}
+    assert known == {
+        "ann": Distribution("material", {"wood": 1.0}),
+        "not stated": Value("mass", 1.0, unit="g"),
+        "not stated (3)": Value("mass", 1.0, unit="g"),
+    }
+    assert len(list_recordings(store, Filter(known={"material": "wood"})).rows) == 1
+    assert [fault for fault in verify(store) if "episode" not in fault.where] == []
+
+
 def test_sqlite_is_set_up_for_many_writers(local: Store) -> None:
     """The file has large pages, a write-ahead log and enforced references."""
     with local.engine.connect() as connection:
@@ -44,7 +81,7 @@ def test_a_newer_store_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "store.sqlite"
     with open_store(path) as store, store.engine.begin() as connection:
         connection.exec_driver_sql("UPDATE alembic_version SET version_num = '9999'")
-    with pytest.raises(StoreError, match="tables of version 9999, expected 0001 or older: update palpate"):
+    with pytest.raises(StoreError, match="tables of version 9999, expected 0002 or older: update palpate"):
         open_store(path)
 
 

@@ -6,7 +6,7 @@ from palpate.store.entries import Value
 from palpate.store.overview import contents
 from palpate.store.records import Device, Setup
 from palpate.store.store import Store
-from palpate.store.summary import objects_by_properties
+from palpate.store.summary import cells_to_arrow, objects_by_properties
 from tests.store.made_up import squeeze
 
 OTHER = Setup(gripper=Device("gripper", "soft_hand"))
@@ -54,3 +54,13 @@ def test_contents_count(store: Store) -> None:
     assert found.recordings == 5
     assert {thing.id: count for thing, count in found.things} == {"object0": 2, "object1": 2, "object2": 1}
     assert [(setup, count) for setup, count in found.setups] == [(squeeze().setup, 4), (OTHER, 1)]
+
+
+def test_the_table_as_arrow(store: Store) -> None:
+    """Each cell is a row; a store without measurements gives the columns all the same."""
+    empty = cells_to_arrow(objects_by_properties(store))
+    store.put(squeeze())
+    cells = objects_by_properties(store)
+    table = cells_to_arrow(cells)
+    assert table.to_pylist() == [vars(cell) for cell in cells]
+    assert (empty.num_rows, empty.schema) == (0, table.schema)

@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from palpate.cli.store_options import BlobsOption, StoreOption
+
 __all__ = ["RobotKind", "explore"]
 
 LOOP, ROBOT, OUTPUT = "The exploration", "The robot", "What is kept"
@@ -74,8 +76,13 @@ def explore(
         typer.Option(help="Draw outcomes from the sensor models, or replay recorded ones.", rich_help_panel=ROBOT),
     ] = RobotKind.SAMPLED,
     session: Annotated[
-        Path | None,
-        typer.Option(help="Session or episode log to replay (default: the shipped one).", rich_help_panel=ROBOT),
+        str | None,
+        typer.Option(
+            metavar="FILE|store|store:EPISODE",
+            help="What to replay: a session or episode log, all that the store has of OBJECT, or an episode of the "
+            "store (default: the shipped session).",
+            rich_help_panel=ROBOT,
+        ),
     ] = None,
     seed: Annotated[
         int | None, typer.Option(min=0, help="Seed of all chance (default: a new one, shown).", rich_help_panel=ROBOT)
@@ -89,6 +96,14 @@ def explore(
     plot: Annotated[
         Path | None, typer.Option(help="Draw the episode: .png, .svg or .pdf.", rich_help_panel=OUTPUT)
     ] = None,
+    record: Annotated[
+        bool,
+        typer.Option(
+            "--record", help="Keep the episode in a store, a recording for each action.", rich_help_panel=OUTPUT
+        ),
+    ] = False,
+    place: StoreOption = None,
+    blobs: BlobsOption = None,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Print every decision on how an outcome was read.")
     ] = False,
@@ -116,6 +131,9 @@ def explore(
         log=log,
         plot=plot,
         verbose=verbose,
+        record=record,
+        place=place,
+        blobs=blobs,
     )
     if list_objects:
         exploring.list_objects(asked)

@@ -15,6 +15,7 @@ from rich.text import Text
 
 from palpate.cli.belief_view import scales
 from palpate.cli.files import check_picture, check_writable, replacing
+from palpate.cli.keeping import Kept, keeping
 from palpate.cli.network_view import object_table
 from palpate.cli.preparing import Asked, Ready, prepare
 from palpate.cli.step_view import View
@@ -23,6 +24,7 @@ from palpate.cli.truth_view import truth_table
 from palpate.cli.waiting_view import Waiting
 from palpate.episode import EpisodeLog, record_episode
 from palpate.explore import Step, explore
+from palpate.robots.protocol import Robot
 from palpate.selection.lookahead import LookAhead
 from palpate.selection.policies import Choice, Policy
 
@@ -35,22 +37,30 @@ def list_objects(asked: Asked) -> None:
 
 
 def explore_object(asked: Asked) -> None:
-    """Explore, print, and write the log and the picture that were asked for."""
+    """Explore, print, and keep what was asked for: in a log, in a store, as a picture."""
     ready = prepare(asked)
     if asked.plot is not None:
         check_picture("--plot", asked.plot)
     if asked.log is not None:
         check_writable("--log", asked.log)
-    screen = console()
-    view = _view(asked, ready)
+    with keeping(asked, ready) as kept:
+        steps = _explore(asked, ready, kept)
+    if asked.plot is not None:
+        _plot(asked.plot, ready, steps)
+
+
+def _explore(asked: Asked, ready: Ready, kept: Kept) -> list[Step]:
+    """Explore, and keep and print each step."""
+    screen, view, steps = console(), _view(asked, ready), list[Step]()
     log = EpisodeLog(asked.log, ready.prior, ready.about) if asked.log is not None else None
-    screen.print(_heading(asked, ready, view))
-    steps = []
-    with closing(_explored(asked, ready, screen, view)) as exploration:
+    screen.print(_heading(asked, ready, view, kept.told))
+    with closing(_explored(asked, ready, kept.robot, screen, view)) as exploration:
         for step in exploration:
             # What was done is kept before it is shown: the screen may be a pipe that is closed.
             if log is not None:
                 log.write(step)
+            if kept.episode is not None:
+                kept.episode.write(step)
             steps.append(step)
             if step.action is not None:
                 screen.print(view.step(step))
@@ -58,8 +68,7 @@ def explore_object(asked: Asked) -> None:
     screen.print(view.end(last, taken))
     if ready.known is not None:
         screen.print(Padding(truth_table(last.after, ready.known), (0, 0, 0, 1)))
-    if asked.plot is not None:
-        _plot(asked.plot, ready, steps)
+    return steps
 
 
 def _plot(path: Path, ready: Ready, steps: Sequence[Step]) -> None:
@@ -98,7 +107,7 @@ class _Announced:
         return action
 
 
-def _explored(asked: Asked, ready: Ready, screen: Console, view: View) -> Generator[Step]:
+def _explored(asked: Asked, ready: Ready, robot: Robot, screen: Console, view: View) -> Generator[Step]:
     """The steps; what is being done is shown while it lasts."""
     waiting = Waiting()
     with Live(waiting, console=screen, transient=True) as live:
@@ -109,7 +118,7 @@ def _explored(asked: Asked, ready: Ready, screen: Console, view: View) -> Genera
         policy = replace(ready.policy, told=waiting.told) if isinstance(ready.policy, LookAhead) else ready.policy
         for step in explore(
             ready.prior,
-            ready.robot,
+            robot,
             objective=ready.objective,
             policy=_Announced(policy, tell),
             stopping=ready.stopping,
@@ -123,7 +132,7 @@ def _explored(asked: Asked, ready: Ready, screen: Console, view: View) -> Genera
             yield step
 
 
-def _heading(asked: Asked, ready: Ready, view: View) -> Group:
+def _heading(asked: Asked, ready: Ready, view: View, kept: str) -> Group:
     """What is explored, and how."""
     known = ready.known
     about = known.description if known else ""
@@ -141,6 +150,8 @@ def _heading(asked: Asked, ready: Ready, view: View) -> Group:
     if known and known.looks_like:
         lines.append(Text(f"A trick: to a camera it looks like {known.looks_like}."))
     lines.append(Text(", ".join(how), style="dim"))
+    if kept:
+        lines.append(Text(kept, style="dim"))
     if asked.verbose:
         lines += [Text(f"note: {note}", style="dim") for note in ready.notes]
     elif ready.notes:

@@ -11,17 +11,15 @@ import numpy as np
 
 from palpate.cli import options
 from palpate.cli.engines import engine_words, prior_belief
-from palpate.episode import About, read_episode
+from palpate.cli.replaying import is_in_store, replayed
+from palpate.episode import About
 from palpate.errors import PalpateError, choices
 from palpate.inference.belief import Belief
-from palpate.logfile import EPISODE_FORMAT, SESSION_FORMAT, read_lines
 from palpate.loop import check_robot
 from palpate.network.model import KnownObject, Network
 from palpate.network.reading import load_network
 from palpate.robots.protocol import Robot
-from palpate.robots.replay import ReplayRobot
 from palpate.robots.sampled import SampledRobot
-from palpate.robots.session import read_session, shipped_session
 from palpate.selection.objectives import Objective
 from palpate.selection.policies import Policy, Random
 from palpate.selection.stopping import StoppingRule
@@ -48,12 +46,15 @@ class Asked:
     engine: str
     preset: str | None
     replay: bool
-    session: Path | None
+    session: str | None
     seed: int | None
     timeout_s: float | None
     log: Path | None
     plot: Path | None
     verbose: bool
+    record: bool = False
+    place: str | None = None
+    blobs: str | None = None
 
     def load(self) -> Network:
         """The network asked for, else the one that suits the robot.
@@ -76,6 +77,8 @@ class Ready:
         The object explored, where the network knows it.
     about
         The same in words, for the log and the heading.
+    source
+        Where outcomes come from.
     notes
         Decisions taken in recording the session that is replayed.
     """
@@ -89,6 +92,7 @@ class Ready:
     costs_s: Mapping[str, float]
     rng: np.random.Generator
     about: About
+    source: str
     notes: tuple[str, ...] = ()
 
 
@@ -103,6 +107,9 @@ def prepare(asked: Asked) -> Ready:
         raise PalpateError(
             f"--policy {asked.policy} looks ahead, which needs --engine exact, and {asked.engine} was found"
         )
+    in_store = asked.session is not None and is_in_store(asked.session)
+    if (asked.place or asked.blobs) and not (asked.record or in_store):
+        raise PalpateError("--store and --blobs are for --record and --session store, and neither was found")
     words = options.stopping_words(asked.stop, asked.budget_s, asked.steps)
     if asked.repeat and set(words.split(",")) == {"nothing-left"}:
         raise PalpateError(
@@ -110,7 +117,14 @@ def prepare(asked: Asked) -> Ready:
         )
     seed = secrets.randbelow(2**32) if asked.seed is None else asked.seed
     of_policy, of_robot = np.random.default_rng(seed).spawn(2)
-    robot, thing, notes = _replayed(asked) if asked.replay else _sampled(asked, network, of_robot)
+    robot: Robot
+    thing: str | None
+    notes: tuple[str, ...] = ()
+    if asked.replay:
+        found = replayed(asked.session, asked.thing, network, asked.place, asked.blobs)
+        robot, thing, source, notes = found.robot, found.thing, found.source, found.notes
+    else:
+        robot, thing, source = _sampled(asked, network, of_robot)
     check_robot(network, robot)
     objective = options.objective(network, asked.learn)
     costs_s = options.costs(network, asked.costs)
@@ -137,35 +151,15 @@ def prepare(asked: Asked) -> Ready:
         costs_s=costs_s,
         rng=of_policy,
         about=about,
+        source=source,
         notes=notes,
     )
 
 
-def _sampled(asked: Asked, network: Network, rng: np.random.Generator) -> tuple[Robot, str, tuple[str, ...]]:
+def _sampled(asked: Asked, network: Network, rng: np.random.Generator) -> tuple[Robot, str, str]:
+    """The robot that draws, the object it draws for, and from what."""
     if asked.session is not None:
         raise PalpateError("--session is only for --robot replay, and the robot is sampled")
     if asked.thing is None:
         raise PalpateError(f"no OBJECT was found; {choices(network.objects)}")
-    return SampledRobot(network, asked.thing, rng), asked.thing, ()
-
-
-def _replayed(asked: Asked) -> tuple[Robot, str | None, tuple[str, ...]]:
-    """The robot that replays, the object its outcomes are of, and what was decided in recording them."""
-    if asked.session is None:
-        if asked.thing is None:
-            raise PalpateError("no OBJECT was found, expected the object whose session is replayed, or --session FILE")
-        session = shipped_session(asked.thing)
-        return ReplayRobot(session.recorded), session.object, session.all_decisions
-    recorded_of, notes = _about(asked.session)
-    if asked.thing not in (None, recorded_of):
-        raise PalpateError(f"{asked.session} is of the object {recorded_of!r}, expected one of {asked.thing!r}")
-    return ReplayRobot.read(asked.session), recorded_of, notes
-
-
-def _about(path: Path) -> tuple[str | None, tuple[str, ...]]:
-    """The object a session or an episode log is of, and the decisions it tells."""
-    header = read_lines(path, SESSION_FORMAT, EPISODE_FORMAT)[0]
-    if header.record["format"] == EPISODE_FORMAT:
-        return read_episode(path).about.object, ()
-    session = read_session(path)
-    return session.object, session.all_decisions
+    return SampledRobot(network, asked.thing, rng), asked.thing, f"the sensor models of the network {network.name}"

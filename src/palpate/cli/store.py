@@ -7,19 +7,12 @@ from typing import Annotated
 
 import typer
 
+from palpate.cli import store_episodes, store_list, store_objects
+from palpate.cli.store_options import BlobsOption, StoreOption
+
 __all__ = ["app"]
 
 app = typer.Typer(help="Show, list, verify, repair, export or import measurements.")
-
-StoreOption = Annotated[
-    str | None,
-    typer.Option("--store", help="SQLite file or postgresql+psycopg://... (default: PALPATE_STORE, or your own)."),
-]
-BlobsOption = Annotated[
-    str | None,
-    typer.Option("--blobs", help="Folder or s3://... for large bytes (default: PALPATE_BLOBS, or beside the file)."),
-]
-WHICH, HOW = "Which recordings", "How they are listed"
 
 
 @app.callback()
@@ -47,69 +40,14 @@ def show(
         console().print(overview(found) if key is None else recording_view(found_recording(found, key)))
 
 
-@app.command("list")
-def list_(
-    thing: Annotated[
-        str | None, typer.Option("--object", help="Name, common name or alias.", rich_help_panel=WHICH)
-    ] = None,
-    dataset: Annotated[str | None, typer.Option(help="Dataset of the object.", rich_help_panel=WHICH)] = None,
-    action: Annotated[str | None, typer.Option(help="What the robot did.", rich_help_panel=WHICH)] = None,
-    property_: Annotated[
-        str | None, typer.Option("--property", help="What there is a result of.", rich_help_panel=WHICH)
-    ] = None,
-    label: Annotated[
-        list[str] | None,
-        typer.Option(help="PROPERTY=LABEL, the most probable one; may be repeated.", rich_help_panel=WHICH),
-    ] = None,
-    device: Annotated[str | None, typer.Option(help="Any device of the setup.", rich_help_panel=WHICH)] = None,
-    gripper: Annotated[str | None, typer.Option(help="Gripper of the setup.", rich_help_panel=WHICH)] = None,
-    setup: Annotated[str | None, typer.Option(help="Digest of the setup.", rich_help_panel=WHICH)] = None,
-    owner: Annotated[str | None, typer.Option(help="Whose they are.", rich_help_panel=WHICH)] = None,
-    since: Annotated[str | None, typer.Option(help="Recorded at this time or later.", rich_help_panel=WHICH)] = None,
-    until: Annotated[str | None, typer.Option(help="Recorded before this time.", rich_help_panel=WHICH)] = None,
-    truth: Annotated[
-        bool | None,
-        typer.Option("--ground-truth/--no-ground-truth", help="Known to be true, or not.", rich_help_panel=WHICH),
-    ] = None,
-    text: Annotated[str | None, typer.Option(help="Part of a name or notice.", rich_help_panel=WHICH)] = None,
-    sort: Annotated[str, typer.Option(help="recorded, uploaded or action.", rich_help_panel=HOW)] = "recorded",
-    ascending: Annotated[bool, typer.Option("--ascending", help="The first first.", rich_help_panel=HOW)] = False,
-    limit: Annotated[int, typer.Option(min=1, max=10_000, help="Rows of a page.", rich_help_panel=HOW)] = 50,
-    cursor: Annotated[str | None, typer.Option(help="What the page before ended with.", rich_help_panel=HOW)] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.", rich_help_panel=HOW)] = False,
-    place: StoreOption = None,
-    blobs: BlobsOption = None,
-) -> None:
-    """List recordings, the last ones first."""
-    from palpate.cli.store_view import page_json, page_table
-    from palpate.cli.storing import labels_of, moment_of, opened
-    from palpate.cli.terminal import console
-    from palpate.store.filters import Filter, Sort
-    from palpate.store.listing import list_recordings
-
-    wanted = Filter(
-        thing=thing,
-        dataset=dataset,
-        action=action,
-        owner=owner,
-        property=property_,
-        labels=labels_of(label or []),
-        device=device,
-        gripper=gripper,
-        setup=setup,
-        since=moment_of("--since", since),
-        until=moment_of("--until", until),
-        ground_truth=truth,
-        text=text,
-    )
-    with opened(place, blobs) as found:
-        page = list_recordings(found, wanted, Sort(sort, not ascending), limit=limit, cursor=cursor)
-    if as_json:
-        print(page_json(page))
-        return
-    console().print(page_table(page))
-    if page.cursor is not None:
-        print(f"more: --cursor {page.cursor}")
+app.command("list")(store_list.list_)
+app.command("table")(store_list.table)
+app.command("curves")(store_list.curves)
+app.command("devices")(store_list.devices)
+app.command("objects")(store_objects.objects)
+app.add_typer(store_objects.app, name="object")
+app.command("episodes")(store_episodes.episodes)
+app.command("episode")(store_episodes.episode)
 
 
 @app.command("verify")
@@ -177,3 +115,16 @@ def import_(
     with opened(place, blobs) as found:
         done = import_shown(found, wanted, formats, report_file=report, verbose=verbose)
     raise typer.Exit(1 if done.count(Fate.REFUSED) else 0)
+
+
+@app.command("schema")
+def schema(
+    picture: Annotated[Path, typer.Argument(metavar="PICTURE", help="The file to draw: .png, .svg or .pdf.")],
+) -> None:
+    """Draw the tables of a store, their columns, and which refer to which."""
+    from palpate.cli.files import check_picture, replacing
+    from palpate.figures.schema import draw_schema
+
+    check_picture("PICTURE", picture)
+    with replacing(picture) as draft:
+        draw_schema(draft)

@@ -56,6 +56,8 @@ def overview(store: Store) -> RenderableType:
     """Objects, setups, and the last recordings with their notices."""
     page, found = list_recordings(store, limit=SHOWN), contents(store)
     head = f"{plural(found.recordings, 'recording')} of {plural(len(found.things), 'object')}"
+    if found.episodes:
+        head += f" and {plural(found.episodes, 'episode')}"
     parts: list[RenderableType] = [Text(f"{head} in {store.engine.url!r}")]
     if found.recordings:
         parts += [_things(found), _setups(found), page_table(page)]

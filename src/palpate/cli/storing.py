@@ -46,13 +46,13 @@ def opened(place: str | None, blobs: str | None) -> Iterator[Store]:
         yield found
 
 
-def labels_of(texts: Iterable[str]) -> Mapping[str, str]:
+def labels_of(option: str, texts: Iterable[str]) -> Mapping[str, str]:
     """``PROPERTY=LABEL`` as pairs."""
     labels = {}
     for text in texts:
         name, equals, label = text.partition("=")
         if not (name and equals and label):
-            raise PalpateError(f"--label: {text!r} was found, expected PROPERTY=LABEL")
+            raise PalpateError(f"{option}: {text!r} was found, expected PROPERTY=LABEL")
         labels[name] = label
     return labels
 

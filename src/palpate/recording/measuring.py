@@ -17,9 +17,10 @@ from typing import Any
 from palpate.recording.capture import hearing
 from palpate.recording.errors import RecordingError
 from palpate.recording.recorder import Recorder, recording_here
-from palpate.recording.results import entries_of
+from palpate.recording.results import OUTCOME, entries_of, exact_outcome
 from palpate.recording.setups import read_setup
 from palpate.recording.spool import Spool, Unfinished
+from palpate.recording.watching import Finished, tell_finished
 from palpate.store.checks import check
 from palpate.store.entries import Entry, FailedEntry
 from palpate.store.errors import StoreError
@@ -95,8 +96,10 @@ class Measuring:
         return self.setup if isinstance(self.setup, Setup) else read_setup(self.setup) if self.setup else Setup()
 
     @contextmanager
-    def one(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Iterator[Returned]:
-        """Record one call."""
+    def one(
+        self, args: tuple[Any, ...], kwargs: dict[str, Any], *, superseded: Callable[[], bool] = lambda: False
+    ) -> Iterator[Returned]:
+        """Record one call; where in the end it is superseded by another recording, this one is dropped."""
         begun = self._begun(args, kwargs)
         returned = Returned()
         try:
@@ -108,14 +111,21 @@ class Measuring:
             with recording_here(recorder), hearing(recorder.hear):
                 yield returned
         except BaseException as error:
+            if superseded():
+                self._drop(unfinished)
+                raise
             recorder.hear(traceback.format_exc())
-            entries = (FailedEntry(": ".join(filter(None, (type(error).__name__, str(error))))),)
+            failed = FailedEntry(": ".join(filter(None, (type(error).__name__, str(error)))))
             try:
-                self._finish(unfinished, recorder, entries, ())
+                self._finish(unfinished, recorder, (failed,), ())
             except RecordingError as lost:
                 error.add_note(str(lost))
             raise
-        self._finish(unfinished, recorder, *entries_of(returned.value, self.property))
+        if superseded():
+            self._drop(unfinished)
+            return
+        entries, notices = entries_of(returned.value, self.property)
+        self._finish(unfinished, recorder, entries, notices, exact_outcome(self.action, returned.value, entries))
 
     def _begun(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Recording:
         thing = self.thing(*args, **kwargs) if callable(self.thing) else self.thing
@@ -131,7 +141,12 @@ class Measuring:
         return begun
 
     def _finish(
-        self, unfinished: Unfinished, recorder: Recorder, entries: tuple[Entry, ...], notices: tuple[str, ...]
+        self,
+        unfinished: Unfinished,
+        recorder: Recorder,
+        entries: tuple[Entry, ...],
+        notices: tuple[str, ...],
+        outcome: bytes | None = None,
     ) -> None:
         """Keep the result and acknowledge the recording; RecordingError where the disk takes no more."""
         writer = unfinished.writer
@@ -139,6 +154,8 @@ class Measuring:
             entries, notices = _kept(writer.recording, entries, notices)
             if writer.recording.thing == UNNAMED:
                 notices = (*notices, "no object was named")
+            if outcome is not None and OUTCOME not in {item.name for item in writer.recording.files}:
+                writer.add_file(FileItem(OUTCOME, "application/json", outcome))
             for keyword in self.keywords:
                 _keep_lines(writer, keyword, recorder.lines(keyword))
             try:
@@ -147,12 +164,19 @@ class Measuring:
                 # the log is not whole, and the result is kept for whoever recovers the rest
                 writer.update(entries=entries, notices=notices)
                 raise
-            self.spool.finish(unfinished, entries=entries, notices=notices)
+            recording = self.spool.finish(unfinished, entries=entries, notices=notices)
         except OSError as error:
             raise _unwritable(self.spool, error) from error
         finally:
             # after a failure what is there stays, to be recovered
             self.spool.abandon(unfinished)
+        tell_finished(Finished(self.spool, unfinished.name, recording))
+
+    def _drop(self, unfinished: Unfinished) -> None:
+        try:
+            self.spool.drop(unfinished)
+        except OSError as error:
+            _log.warning("%s stays in the spool: %s", unfinished.name, error)
 
 
 def _keep_lines(writer: FolderWriter, keyword: str, lines: list[str]) -> None:
@@ -169,7 +193,8 @@ def _kept(recording: Recording, entries: tuple[Entry, ...], notices: tuple[str, 
     if not entries:
         return entries, notices
     try:
-        check(replace(recording, entries=entries))
+        # series and files were checked when they came
+        check(replace(recording, series=(), files=(), entries=entries))
     except StoreError as error:
         _log.warning("the result of %s is kept as failed: %s", recording.action, error)
         return (FailedEntry(f"the result was refused: {error}"),), (*notices, f"the result was {entries!r}")

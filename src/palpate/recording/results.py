@@ -1,15 +1,24 @@
-"""What a measurement returns, as entries of its recording."""
+"""What a measurement returns, as entries of its recording; and the outcomes that recordings hold."""
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Mapping
-from typing import cast
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import cast, get_args
 
+from palpate import outcomes
+from palpate.errors import EvidenceError
+from palpate.evidence import format_item, parse_item
 from palpate.outcomes import Above, Below, Failed, Label, Likelihood, Posterior, Reading
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
+from palpate.store.records import Recording
 
-__all__ = ["Outcome", "entries_of"]
+__all__ = ["OUTCOME", "Outcome", "entries_of", "exact_outcome", "outcome_in", "outcome_of"]
+
+OUTCOME = "outcome.json"
+"""The file of a recording that holds its outcome, where the entries do not say all of it."""
 
 Told = tuple[tuple[Entry, ...], tuple[str, ...]]
 
@@ -108,3 +117,66 @@ def _distribution(property: str, values: Mapping[str, float], kind: str) -> Told
         return (Distribution(property, dict(values)),), ()
     scaled = {label: value / total for label, value in values.items()}
     return (Distribution(property, scaled),), (f"the {kind} summed to {total:.6g}: they are kept divided by it",)
+
+
+def outcome_of(entry: Entry) -> outcomes.Outcome | None:
+    """The outcome that an entry stands for; None for an interval, which no outcome says.
+
+    A distribution that is certain stands for a label, any other one for a classifier's probabilities.
+
+    Examples
+    --------
+    >>> outcome_of(Value("mass", 118.0, unit="g"))
+    Reading(value=118.0, sd=None, unit='g')
+    >>> outcome_of(Distribution("category", {"mug": 1.0}))
+    Label(label='mug')
+    """
+    match entry:
+        case Value(_, value, sd, unit):
+            return Reading(value, sd, unit)
+        case Bound(_, above, below, unit):
+            return Above(above, unit=unit) if above is not None else Below(cast("float", below), unit=unit)
+        case Distribution(_, probabilities):
+            if len(probabilities) == 1:
+                return Label(next(iter(probabilities)))
+            return Posterior(dict(probabilities))
+        case FailedEntry(reason):
+            return Failed(reason)
+        case Interval():
+            return None
+
+
+def exact_outcome(action: str, result: object, entries: Sequence[Entry]) -> bytes | None:
+    """An outcome as JSON, where the entries that stand for it do not say all of it; None where they do."""
+    # failures teach nothing, whatever their words
+    if not isinstance(result, get_args(outcomes.Outcome)) or isinstance(result, Failed) or len(entries) != 1:
+        return None
+    if isinstance(entries[0], FailedEntry) or outcome_of(entries[0]) == result:
+        return None
+    try:
+        return json.dumps(format_item(action, cast("outcomes.Outcome", result)), allow_nan=False).encode()
+    except (TypeError, ValueError):
+        # not such as a network would take; what can be kept of it is in the entries
+        return None
+
+
+def outcome_in(recording: Recording, property: str) -> tuple[outcomes.Outcome | None, str | None]:
+    """The outcome that a recording holds of a property, and why there is none.
+
+    It is read from the file `OUTCOME` where there is one, else from the entry of the property.
+    """
+    for item in recording.files:
+        if item.name == OUTCOME:
+            data = item.data.read_bytes() if isinstance(item.data, Path) else item.data
+            try:
+                return parse_item(json.loads(data))[1], None
+            except (EvidenceError, ValueError) as error:
+                return None, f"its {OUTCOME} cannot be read: {error}"
+    found = [entry for entry in recording.entries if entry.property == property]
+    whole = [entry for entry in recording.entries if isinstance(entry, FailedEntry) and entry.property is None]
+    if len(found) > 1:
+        return None, f"it holds {len(found)} results of {property}"
+    if not (found or whole):
+        return None, f"it holds no result of {property}"
+    outcome = outcome_of((found or whole)[0])
+    return outcome, None if outcome is not None else f"it holds an interval of {property}, which no outcome says"

@@ -98,8 +98,9 @@ class Spool:
     def finish(self, unfinished: Unfinished, **fields: Any) -> Recording:
         """Set the last fields and put the recording among those that wait; when this returns it is acknowledged."""
         try:
-            recording = unfinished.writer.end(sync=self.sync, **fields)
-            self._move(unfinished.name, "open", "waiting")
+            writer = unfinished.writer
+            recording = writer.end(sync=self.sync, **fields)
+            self._rename(writer.folder, self._path("waiting", unfinished.name))
         finally:
             self.abandon(unfinished)
         return recording
@@ -108,6 +109,14 @@ class Spool:
         """Leave a recording as it is, to be recovered."""
         unfinished.writer.close()
         unfinished.lock.leave()
+
+    def drop(self, unfinished: Unfinished) -> None:
+        """Remove a recording that was begun, as another one says the same."""
+        unfinished.writer.close()
+        try:
+            self._discard(unfinished.name, "open")
+        finally:
+            unfinished.lock.leave()
 
     def add(self, recording: Recording) -> str:
         """Put a whole recording among those that wait, and return its name there."""
@@ -217,10 +226,13 @@ class Spool:
         return path
 
     def _move(self, name: str, source: str, target: str) -> None:
-        self._path(source, name).rename(self._path(target, name))
+        self._rename(self._path(source, name), self._path(target, name))
+
+    def _rename(self, source: Path, target: Path) -> None:
+        source.rename(target)
         if self.sync:
-            sync_folder(self.folder / target)
-            sync_folder(self.folder / source)
+            sync_folder(target.parent)
+            sync_folder(source.parent)
 
     def _names(self, state: str) -> list[str]:
         folder = self.folder / state

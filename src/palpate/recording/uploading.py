@@ -8,13 +8,13 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from palpate.client import Receiver, RefusedError, UnreachableError
+from palpate.client import Receiver, ReceiverError, RefusedError, UnreachableError
 from palpate.recording.spool import Spool
 from palpate.store.checks import check
 from palpate.store.errors import StoreError
 from palpate.store.records import Receipt, Recording
 
-__all__ = ["BackOff", "Sent", "upload"]
+__all__ = ["BackOff", "Sent", "send", "upload"]
 
 _log = logging.getLogger("palpate.recording")
 
@@ -82,6 +82,18 @@ def upload(
         with spool.claimed(name) as is_mine:
             if is_mine:
                 yield _send(spool, name, trying)
+
+
+def send(spool: Spool, name: str, receiver: Receiver) -> Sent | None:
+    """Send one recording that waits, and tell what became of it; None where somebody else is about it.
+
+    It is tried once. What went wrong is in the answer, and the recording waits on.
+    """
+    try:
+        with spool.claimed(name) as is_mine:
+            return _send(spool, name, _Trying(receiver, BackOff(attempts=1), time.sleep)) if is_mine else None
+    except (ReceiverError, OSError) as error:
+        return Sent(name, "waiting", str(error))
 
 
 def _send(spool: Spool, name: str, trying: _Trying) -> Sent:

@@ -6,6 +6,8 @@
     One row for each recording: what was hashed, what it refers to, and its raw signals, compressed.
 ``entries.parquet``
     One row for each result, for queries; an import does without.
+``objects.parquet``, ``episodes.parquet``
+    What is said and known of each object; the lines of each exploration. An archive may lack them.
 ``blobs/``
     Files, under their SHA-256.
 """
@@ -17,7 +19,9 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from palpate.store.archive_episodes import EPISODES, write_episodes
 from palpate.store.archive_rows import entries_schema, entry_row, recording_row, recordings_schema
+from palpate.store.archive_things import OBJECTS, write_things
 from palpate.store.blobs import FolderBlobs
 from palpate.store.content import file_digest, to_json
 from palpate.store.decoding import recording_from
@@ -30,18 +34,20 @@ if TYPE_CHECKING:
     import pyarrow
     from pyarrow.parquet import ParquetWriter
 
-__all__ = ["MANIFEST", "NAME", "RECORDINGS", "TABLES", "VERSION", "export_archive"]
+__all__ = ["MANIFEST", "MORE_TABLES", "NAME", "RECORDINGS", "TABLES", "VERSION", "export_archive"]
 
 NAME = "palpate archive"
 VERSION = 1
 MANIFEST, RECORDINGS = "manifest.json", "recordings.parquet"
 TABLES = ("entries.parquet", RECORDINGS)
+MORE_TABLES = (EPISODES, OBJECTS)
+"""Tables that archives of older versions of the package do not have."""
 AT_ONCE = 200
 """Recordings that are written, and read again, together."""
 
 
 def export_archive(store: Store, folder: Path) -> int:
-    """Write all recordings of a store as an archive.
+    """Write all recordings of a store as an archive, with its objects and episodes.
 
     The archive appears whole or not at all: it is written beside and renamed.
 
@@ -94,7 +100,9 @@ def _write(store: Store, folder: Path) -> int:
             for item in (item for recording in batch for item in recording.files):
                 kept.put(item.sha256, item.data)
             count += len(batch)
-    digests = {name: file_digest(folder / name) for name in TABLES}
+        write_things(connection, store.blobs, folder, kept)
+        write_episodes(connection, folder)
+    digests = {name: file_digest(folder / name) for name in (*TABLES, *MORE_TABLES)}
     manifest = {"format": NAME, "version": VERSION, "recordings": count, "sha256": digests}
     (folder / MANIFEST).write_text(to_json(manifest) + "\n", encoding="utf-8")
     return count

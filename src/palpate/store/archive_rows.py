@@ -21,7 +21,7 @@ from palpate.store.rows import entry_columns, gripper_of
 if TYPE_CHECKING:
     import pyarrow
 
-__all__ = ["entries_schema", "entry_row", "recording_at", "recording_row", "recordings_schema"]
+__all__ = ["blob_of", "entries_schema", "entry_row", "recording_at", "recording_row", "recordings_schema"]
 
 
 @cache
@@ -113,11 +113,11 @@ def _stored(row: Mapping[str, Any], folder: Path) -> Stored:
         thing=thing_from(json.loads(row["thing"])),
         setup=setup_from(json.loads(row["setup"])),
         series=tuple(unpack_series(one["name"], json.loads(one["layout"]), one["data"]) for one in row["series"]),
-        files=tuple(_blob(folder, item["sha256"]) for item in document["files"]),
+        files=tuple(blob_of(folder, item["sha256"]) for item in document["files"]),
     )
 
 
-def _blob(folder: Path, digest: str) -> Path:
+def blob_of(folder: Path, digest: str) -> Path:
     """The file of a digest; nothing else than a digest may name a file."""
     text = digest_bytes(digest).hex()
     path = folder / "blobs" / text[:2] / text[2:]

@@ -98,8 +98,8 @@ def unpack_series(name: str, layout: Sequence[Mapping[str, Any]], data: bytes) -
 
 
 def _shuffle(array: NDArray[Any]) -> bytes:
-    flat = array.reshape(-1)
-    return flat.view(np.uint8).reshape(flat.size, flat.itemsize).T.tobytes()
+    # one column: an array without samples has bytes to none of its numbers, and reshape(-1, n) could not tell
+    return array.reshape(array.size, 1).view(np.uint8).T.tobytes()
 
 
 def _unshuffle(raw: bytes, start: int, dtype: np.dtype[Any], shape: tuple[int, ...]) -> tuple[NDArray[Any], int]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -15,10 +15,13 @@ from palpate.store.records import DEVICE_KINDS, VISIBILITIES, Device, FileItem, 
 from palpate.store.signals import check_series
 from palpate.store.texts import check_encoding, check_json, check_name, check_number, check_numbers, check_text
 
-__all__ = ["check", "check_unit"]
+__all__ = ["check", "check_entry", "check_moment", "check_thing", "check_unit"]
 
 CLOCKS_DIFFER = timedelta(minutes=1)
 SUM_TOLERANCE = 1e-6
+# numbers of entries
+NEEDED = ("value", "low", "high")
+OPTIONAL = ("sd", "above", "below")
 
 
 def check(recording: Recording, *, units: Mapping[str, str | None] | None = None, now: datetime | None = None) -> None:
@@ -49,9 +52,9 @@ def check(recording: Recording, *, units: Mapping[str, str | None] | None = None
     Traceback (most recent call last):
     palpate.store.errors.StoreError: entries[0].value: found nan, expected a finite number
     """
-    _check_moment(recording.recorded_at, now or datetime.now(UTC))
+    check_moment("recorded_at", recording.recorded_at, now or datetime.now(UTC))
     check_name("action", recording.action)
-    _check_thing(recording.thing)
+    check_thing(recording.thing)
     _check_setup(recording.setup)
     if recording.visibility not in VISIBILITIES:
         raise StoreError(f"visibility: found {recording.visibility!r}; {choices(VISIBILITIES)}")
@@ -63,22 +66,24 @@ def check(recording: Recording, *, units: Mapping[str, str | None] | None = None
     check_series(recording.series)
     _check_files(recording.files)
     for place, entry in enumerate(recording.entries):
-        _check_entry(f"entries[{place}]", entry, units or {})
+        check_entry(f"entries[{place}]", entry, units or {})
     check_encoding("log", recording.log)
     for place, notice in enumerate(recording.notices):
         check_text(f"notices[{place}]", notice)
 
 
-def _check_moment(moment: datetime, now: datetime) -> None:
+def check_moment(where: str, moment: datetime, now: datetime) -> None:
+    """Refuse a time without a time zone, in the future or before there were robots that record."""
     if moment.utcoffset() is None:
-        raise StoreError(f"recorded_at: {moment.isoformat()} has no time zone; expected one, such as UTC")
+        raise StoreError(f"{where}: {moment.isoformat()} has no time zone; expected one, such as UTC")
     if moment > now + CLOCKS_DIFFER:
-        raise StoreError(f"recorded_at: {moment.isoformat()} is in the future; expected a time before {now:%F %T} UTC")
+        raise StoreError(f"{where}: {moment.isoformat()} is in the future; expected a time before {now:%F %T} UTC")
     if moment.year < 1970:
-        raise StoreError(f"recorded_at: {moment.isoformat()} is before 1970; expected the time of the measurement")
+        raise StoreError(f"{where}: {moment.isoformat()} is before 1970; expected the time of the measurement")
 
 
-def _check_thing(thing: ThingRef) -> None:
+def check_thing(thing: ThingRef) -> None:
+    """Refuse a description of an object that cannot be kept."""
     check_name("thing.dataset", thing.dataset)
     check_name("thing.id", thing.id)
     check_text("thing.maker", thing.maker)
@@ -104,9 +109,17 @@ def _check_device(where: str, device: Device) -> None:
         raise StoreError(f"{where}.kind: found {device.kind!r}; {choices(DEVICE_KINDS)}")
     check_name(f"{where}.name", device.name)
     check_text(f"{where}.maker", device.maker)
-    check_text(f"{where}.calibrated_on", device.calibrated_on)
+    _check_date(f"{where}.calibrated_on", device.calibrated_on)
     check_json(f"{where}.parameters", device.parameters)
     check_json(f"{where}.calibration", device.calibration)
+
+
+def _check_date(where: str, date: object) -> None:
+    check_text(where, date)
+    try:
+        datetime.fromisoformat(str(date or "2024-05-01"))
+    except ValueError:
+        raise StoreError(f"{where}: found {date!r}, expected a date such as 2024-05-01") from None
 
 
 def _check_pose(where: str, pose: Pose | None) -> None:
@@ -132,7 +145,8 @@ def _check_files(files: Sequence[FileItem]) -> None:
             raise StoreError(f"files[{place}].data: there is no file {str(item.data)!r}, expected one that can be read")
 
 
-def _check_entry(where: str, entry: Entry, units: Mapping[str, str | None]) -> None:
+def check_entry(where: str, entry: Entry, units: Mapping[str, str | None]) -> None:
+    """Refuse a result that cannot be kept; `units` as for `check`."""
     if isinstance(entry, FailedEntry):
         check_name(f"{where}.reason", entry.reason)
         check_text(f"{where}.property", entry.property)
@@ -141,16 +155,11 @@ def _check_entry(where: str, entry: Entry, units: Mapping[str, str | None]) -> N
     if isinstance(entry, Distribution):
         _check_probabilities(where, entry.probabilities)
         return
-    for field, number in _numbers_of(where, entry):
-        check_number(field, number)
+    for name, value in vars(entry).items():
+        if name in NEEDED or (name in OPTIONAL and value is not None):
+            check_number(f"{where}.{name}", value)
     _check_order(where, entry)
     check_unit(f"{where}.unit", entry.unit, units.get(entry.property))
-
-
-def _numbers_of(where: str, entry: Value | Interval | Bound) -> Iterator[tuple[str, object]]:
-    for name, value in vars(entry).items():
-        if name in ("value", "low", "high") or (name in ("sd", "above", "below") and value is not None):
-            yield f"{where}.{name}", value
 
 
 def _check_order(where: str, entry: Value | Interval | Bound) -> None:

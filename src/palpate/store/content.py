@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime
+from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ __all__ = [
     "entry_plain",
     "file_digest",
     "layout_plain",
+    "layout_text",
     "pose_plain",
     "recording_digest",
     "setup_digest",
@@ -40,7 +42,12 @@ KINDS: Mapping[type, str] = {
     Bound: "bound",
     FailedEntry: "failed",
 }
-_encode = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode
+# values that hold themselves end the recursion too, and looking for them takes as long as writing the rest
+_encode = json.JSONEncoder(
+    sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False, check_circular=False
+).encode
+LAYOUT = ("name", "quantity", "unit", "rate_hz", "dtype", "shape", "timed")
+ChannelLayout = tuple[str, str, str | None, float | None, str, tuple[int, ...], bool]
 
 
 def to_json(plain: Any) -> str:
@@ -76,32 +83,34 @@ def document(recording: Recording) -> str:
     ValueError, TypeError
         If a value is none that JSON can hold, which `palpate.store.checks.check` finds and names before.
     """
-    return to_json(
-        {
-            "recorded_at": in_utc(recording.recorded_at),
-            "action": recording.action,
-            "thing": [recording.thing.dataset, recording.thing.id],
-            "setup": recording.setup.digest,
-            "owner": recording.owner,
-            "licence": recording.licence,
-            "ground_truth": bool(recording.ground_truth),
-            "software": recording.software,
-            "repository": recording.repository,
-            "grasp": recording.grasp,
-            "gripper_pose": pose_plain(recording.gripper_pose),
-            "object_pose": pose_plain(recording.object_pose),
-            "series": [_series_plain(series) for series in recording.series],
-            "files": [_file_plain(item) for item in recording.files],
-            "entries": [entry_plain(entry) for entry in recording.entries],
-            "log_bytes": len(recording.log.encode()),
-            "notices": list(recording.notices),
-        }
-    )
+    # keys are sorted; what says how the series are laid out is the longest part, and nearly always the same
+    before = {
+        "action": recording.action,
+        "entries": [entry_plain(entry) for entry in recording.entries],
+        "files": [_file_plain(item) for item in recording.files],
+        "grasp": recording.grasp,
+        "gripper_pose": pose_plain(recording.gripper_pose),
+        "ground_truth": bool(recording.ground_truth),
+        "licence": recording.licence,
+        "log_bytes": len(recording.log.encode()),
+        "notices": recording.notices,
+        "object_pose": pose_plain(recording.object_pose),
+        "owner": recording.owner,
+        "recorded_at": in_utc(recording.recorded_at),
+        "repository": recording.repository,
+    }
+    after = {
+        "setup": recording.setup.digest,
+        "software": recording.software,
+        "thing": (recording.thing.dataset, recording.thing.id),
+    }
+    series = ",".join(map(_series_text, recording.series))
+    return f'{to_json(before)[:-1]},"series":[{series}],{to_json(after)[1:]}'
 
 
 def in_utc(moment: datetime) -> str:
     """A moment in UTC to the microsecond."""
-    return moment.astimezone(UTC).replace(tzinfo=None).isoformat(timespec="microseconds") + "Z"
+    return moment.astimezone(UTC).isoformat(timespec="microseconds").removesuffix("+00:00") + "Z"
 
 
 def entry_plain(entry: Entry) -> dict[str, Any]:
@@ -139,18 +148,36 @@ def thing_plain(thing: ThingRef) -> dict[str, Any]:
 
 def layout_plain(series: Series) -> list[dict[str, Any]]:
     """What the arrays of a series are, without how many samples they have."""
-    return [
-        {
-            "name": channel.name,
-            "quantity": channel.quantity,
-            "unit": channel.unit,
-            "rate_hz": None if channel.rate_hz is None else float(channel.rate_hz),
-            "dtype": canonical_dtype(channel.values.dtype).str,
-            "shape": list(channel.values.shape[1:]),
-            "timed": channel.time_s is not None,
-        }
+    return _layout_plain(_layout(series))
+
+
+def layout_text(series: Series) -> str:
+    """`layout_plain` as JSON."""
+    return _layout_text(_layout(series))
+
+
+def _layout(series: Series) -> tuple[ChannelLayout, ...]:
+    return tuple(
+        (
+            channel.name,
+            channel.quantity,
+            channel.unit,
+            None if channel.rate_hz is None else float(channel.rate_hz),
+            canonical_dtype(channel.values.dtype).str,
+            channel.values.shape[1:],
+            channel.time_s is not None,
+        )
         for channel in series.channels
-    ]
+    )
+
+
+def _layout_plain(layout: Iterable[ChannelLayout]) -> list[dict[str, Any]]:
+    return [dict(zip(LAYOUT, channel, strict=True)) for channel in layout]
+
+
+@lru_cache(maxsize=1024)
+def _layout_text(layout: tuple[ChannelLayout, ...]) -> str:
+    return to_json(_layout_plain(layout))
 
 
 def channel_arrays(channel: Channel) -> Iterator[NDArray[Any]]:
@@ -185,9 +212,9 @@ def _arrays(recording: Recording) -> Iterator[NDArray[Any]]:
     return (array for series in recording.series for channel in series.channels for array in channel_arrays(channel))
 
 
-def _series_plain(series: Series) -> dict[str, Any]:
-    counts = [len(channel.values) for channel in series.channels]
-    return {"name": series.name, "channels": layout_plain(series), "counts": counts}
+def _series_text(series: Series) -> str:
+    counts = ",".join([str(len(channel.values)) for channel in series.channels])
+    return f'{{"channels":{layout_text(series)},"counts":[{counts}],"name":{to_json(series.name)}}}'
 
 
 def _file_plain(item: FileItem) -> dict[str, Any]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from sqlite3 import Connection as SqliteConnection
 from typing import Any
@@ -13,9 +15,9 @@ from sqlalchemy.exc import ArgumentError, DatabaseError
 from palpate.store.errors import StoreError
 from palpate.store.outages import tell_outages
 
-__all__ = ["LATEST", "connect", "migrate", "revision", "up_to_date", "writing"]
+__all__ = ["LATEST", "changing", "connect", "migrate", "revision", "up_to_date", "writing"]
 
-LATEST = "0001"
+LATEST = "0002"
 MIGRATIONS = Path(__file__).parent / "migrations"
 WAIT_S = 30
 PAGE_BYTES = 16384
@@ -85,6 +87,22 @@ def _sqlite(address: URL, *, durable: bool) -> Engine:
 def writing(engine: Engine) -> Engine:
     """The same engine for transactions that write."""
     return engine.execution_options(palpate_writes=True)
+
+
+@contextmanager
+def changing(engine: Engine) -> Iterator[Connection]:
+    """One transaction that writes.
+
+    Raises
+    ------
+    StoreError
+        If the database does not take it.
+    """
+    try:
+        with writing(engine).begin() as connection:
+            yield connection
+    except DatabaseError as error:
+        raise StoreError(f"store {engine.url!r}: {error.orig}; nothing was changed") from None
 
 
 def revision(connection: Connection) -> str | None:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
 
-from sqlalchemy import ColumnElement, Select, or_, select
+from sqlalchemy import ColumnElement, Select, func, or_, select, union
 
 from palpate.errors import choices
 from palpate.store import schema
@@ -27,13 +27,16 @@ class Filter:
     Attributes
     ----------
     thing
-        Object: its name in its dataset, its common name or an alias; objects merged into it count.
+        Object: its name in its dataset, its common name, an alias, or ``DATASET/NAME``; objects merged into it count.
     dataset, action, owner
         As recorded.
     property
         What a recording has an entry of.
     labels
-        For categorical properties the most probable label, as ``{"material": "wood"}``.
+        For categorical properties the most probable label that was measured, as ``{"material": "wood"}``.
+    known
+        What the object is known to be, as ``{"category": "mug"}``: by its description, or by a recording that is
+        ground truth.
     device
         Name of any device of the setup.
     gripper
@@ -54,6 +57,7 @@ class Filter:
     owner: str | None = None
     property: str | None = None
     labels: Mapping[str, str] = field(default_factory=dict)
+    known: Mapping[str, str] = field(default_factory=dict)
     device: str | None = None
     gripper: str | None = None
     setup: str | None = None
@@ -70,6 +74,8 @@ class Filter:
                 yield columns[name] == getattr(self, name)
         if self.thing is not None or self.dataset is not None:
             yield columns.thing_id.in_(things_named(self.thing, self.dataset))
+        for name, label in self.known.items():
+            yield columns.thing_id.in_(things_known(name, label))
         if self.device is not None:
             yield columns.setup_id.in_(_setups_with(self.device))
         if self.setup is not None:
@@ -77,9 +83,9 @@ class Filter:
                 select(schema.setups.c.id).where(schema.setups.c.digest == digest_bytes(self.setup))
             )
         if self.since is not None:
-            yield columns.recorded_us >= _moment("since", self.since)
+            yield columns.recorded_us >= moment_us("since", self.since)
         if self.until is not None:
-            yield columns.recorded_us < _moment("until", self.until)
+            yield columns.recorded_us < moment_us("until", self.until)
         if self.text is not None:
             yield columns.words.contains(self.text.casefold(), autoescape=True)
 
@@ -150,9 +156,34 @@ def things_named(name: str | None, dataset: str | None) -> Select[tuple[int]]:
     if dataset is not None:
         asked = asked.where(things.c.dataset == dataset)
     if name is not None:
-        alias = things.c.aliases.contains(json.dumps(name, ensure_ascii=False), autoescape=True)
-        asked = asked.where(or_(things.c.name == name, things.c.common_name == name, alias))
+        asked = asked.where(called(name))
     return select(things.c.id).where(or_(things.c.id.in_(asked), things.c.merged_into.in_(asked)))
+
+
+def called(name: str) -> ColumnElement[bool]:
+    """The condition on `schema.things` that one is called so: in its dataset, in common, by alias or by its path."""
+    columns = schema.things.c
+    alias = columns.aliases.contains(json.dumps(name, ensure_ascii=False), autoescape=True)
+    path = columns.dataset + "/" + columns.name
+    return or_(columns.name == name, columns.common_name == name, alias, path == name)
+
+
+def things_known(name: str, label: str) -> Select[tuple[int]]:
+    """Rows of objects of which a label is known, with those that count as the same object.
+
+    It is known by what was said of the object, or by a recording that is ground truth.
+    """
+    said, things = schema.thing_properties.c, schema.things
+    entries, recordings = schema.entries.c, schema.recordings.c
+    found = union(
+        select(said.thing_id).where(said.property == name, said.label == label),
+        select(entries.thing_id)
+        .join(schema.recordings, recordings.id == entries.recording_id)
+        .where(entries.property == name, entries.label == label, recordings.ground_truth),
+    ).subquery()
+    head = func.coalesce(things.c.merged_into, things.c.id)
+    heads = select(head).where(things.c.id.in_(select(found.c.thing_id)))
+    return select(things.c.id).where(head.in_(heads))
 
 
 def digest_bytes(text: str) -> bytes:
@@ -177,7 +208,8 @@ def _setups_with(device: str) -> Select[tuple[int]]:
     return select(links.setup_id).join(schema.devices, links.device_id == devices.id).where(devices.name == device)
 
 
-def _moment(name: str, moment: datetime) -> int:
+def moment_us(name: str, moment: datetime) -> int:
+    """A moment as it stands in the tables; StoreError where it has no time zone."""
     if moment.utcoffset() is None:
         raise StoreError(f"{name}: {moment.isoformat()} has no time zone; expected one, such as UTC")
     return microseconds(moment)

@@ -1,72 +1,131 @@
-"""The statements of every put, worked out once and handed to the driver as they are.
+"""The statements that putting a recording takes, worked out once and sent by the driver itself.
 
-Building a statement, or its result, takes longer than SQLite takes to carry it out: here statements are strings that
-are remembered. It holds for plain types only, which need no conversion on their way to the driver and back.
+SQLAlchemy takes longer to send a statement than SQLite takes to carry it out, and each recording needs several. What is
+here holds for plain types only, which need no conversion on their way to the driver and back. Errors are the driver's,
+but for lost servers and damaged files.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import lru_cache
+from operator import itemgetter
 from typing import Any
 
-from sqlalchemy import Connection, Table, insert
-from sqlalchemy.engine import Dialect
+from sqlalchemy import Engine, PoolProxiedConnection, Table
+from sqlalchemy.engine.interfaces import DBAPICursor
 
-__all__ = ["insert_rows", "present_rows"]
+from palpate.store.outages import outage
+
+__all__ = ["CHUNK", "Statements"]
 
 # SQLite takes so many parameters in one statement, and more
 CHUNK = 400
 
 
-def insert_rows(connection: Connection, table: Table, rows: Sequence[Mapping[str, Any]]) -> None:
-    """Insert rows that have a value for every column.
+class Statements:
+    """What is sent to one database.
 
-    Errors are the driver's own.
+    Parameters
+    ----------
+    engine
+        Gives connections; others may use it at the same time.
     """
-    if not rows:
-        return
-    statement, order = _statement(table, connection.dialect)
-    values: list[Any] = [row if order is None else tuple(map(row.__getitem__, order)) for row in rows]
-    cursor = _cursor(connection)
-    if len(values) == 1:
-        cursor.execute(statement, values[0])
-    else:
-        cursor.executemany(statement, values)
-    cursor.close()
 
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self._is_postgresql = engine.dialect.name == "postgresql"
 
-def present_rows(connection: Connection, digests: Sequence[bytes], ids: Sequence[bytes]) -> list[tuple[bytes, bytes]]:
-    """Id and digest of each recording that has one of these digests or one of these ids.
+    @contextmanager
+    def transaction(self) -> Iterator[DBAPICursor]:
+        """A transaction that writes; it is rolled back where the block raises.
 
-    Errors are the driver's own.
-    """
-    found: list[tuple[bytes, bytes]] = []
-    mark = "?" if connection.dialect.name == "sqlite" else "%s"
-    cursor = _cursor(connection)
-    for start in range(0, len(digests), CHUNK):
-        part = (*digests[start : start + CHUNK], *ids[start : start + CHUNK])
-        cursor.execute(_present(mark, len(part) // 2), part)
-        found += cursor.fetchall()
-    cursor.close()
-    return found
+        Raises
+        ------
+        LostError
+            If the server went away; what was being committed may or may not be there.
+        DamagedError
+            If the file is damaged.
+        """
+        connection = self._connection()
+        try:
+            cursor = connection.cursor()
+            if not self._is_postgresql:
+                # see `palpate.store.database`: a writer says so at once
+                cursor.execute("BEGIN IMMEDIATE")
+            yield cursor
+            connection.commit()
+        except self._engine.dialect.loaded_dbapi.Error as error:
+            lost = self._engine.dialect.is_disconnect(error, connection, None)
+            if lost:
+                connection.invalidate(error)
+            self._raise_outage(error, lost=lost)
+            raise
+        finally:
+            # what was not committed is rolled back before another gets the connection
+            connection.close()
 
+    def _connection(self) -> PoolProxiedConnection:
+        try:
+            return self._engine.raw_connection()
+        except self._engine.dialect.loaded_dbapi.Error as error:
+            self._raise_outage(error, lost=True)
+            raise
 
-@lru_cache(maxsize=2 * CHUNK)
-def _present(mark: str, count: int) -> str:
-    marks = ", ".join([mark] * count)
-    return f"SELECT uuid, digest FROM recordings WHERE digest IN ({marks}) OR uuid IN ({marks})"
+    def _raise_outage(self, error: BaseException, *, lost: bool) -> None:
+        told = outage(self._engine, error, lost=lost)
+        if told is not None:
+            raise told from None
 
+    def insert(self, cursor: DBAPICursor, table: Table, rows: Sequence[Mapping[str, Any]]) -> None:
+        """Insert rows that have a value for every column."""
+        if not rows:
+            return
+        statement, values_of = _insert(table, self._mark)
+        if len(rows) == 1:
+            cursor.execute(statement, values_of(rows[0]))
+        else:
+            cursor.executemany(statement, [values_of(row) for row in rows])
 
-def _cursor(connection: Connection) -> Any:
-    driver = connection.connection.driver_connection
-    assert driver is not None
-    return driver.cursor()
+    def present(
+        self, cursor: DBAPICursor, digests: Sequence[bytes], ids: Sequence[bytes]
+    ) -> Iterator[tuple[bytes, bytes]]:
+        """Id and digest of each recording that has one of these digests or one of these ids, as many of each."""
+        for start in range(0, len(digests), CHUNK):
+            part = (*digests[start : start + CHUNK], *ids[start : start + CHUNK])
+            cursor.execute(_present(len(part) // 2, self._mark), part)
+            yield from cursor.fetchall()
+
+    def new_ids(self, cursor: DBAPICursor, count: int) -> Sequence[int]:
+        """Row numbers for recordings, known before they are inserted, so that all their rows go in at once."""
+        if self._is_postgresql:
+            # a sequence is safe while others insert
+            cursor.execute("SELECT nextval('recordings_id_seq') FROM generate_series(1, %s)", (count,))
+            return [row for (row,) in cursor.fetchall()]
+        # in SQLite there is one writer at a time
+        cursor.execute("SELECT max(id) FROM recordings")
+        ((last,),) = cursor.fetchall()
+        return range((last or 0) + 1, (last or 0) + 1 + count)
+
+    @property
+    def _mark(self) -> str:
+        return "%s" if self._is_postgresql else "?"
 
 
 @lru_cache(maxsize=64)
-def _statement(table: Table, dialect: Dialect) -> tuple[str, Sequence[str] | None]:
-    """The statement, and the order of its parameters where they have no names."""
-    compiled = insert(table).compile(dialect=dialect, column_keys=[column.name for column in table.columns])
-    order = getattr(compiled, "positiontup", None)
-    return str(compiled), order
+def _insert(table: Table, mark: str) -> tuple[str, Callable[[Mapping[str, Any]], Any]]:
+    """The statement, and what takes its parameters from a row."""
+    names = [column.name for column in table.columns]
+    columns = ", ".join(f'"{name}"' for name in names)
+    return f"INSERT INTO {table.name} ({columns}) VALUES ({_marks(len(names), mark)})", itemgetter(*names)
+
+
+@lru_cache(maxsize=64)
+def _present(count: int, mark: str) -> str:
+    marks = _marks(count, mark)
+    return f"SELECT uuid, digest FROM recordings WHERE digest IN ({marks}) OR uuid IN ({marks})"
+
+
+def _marks(count: int, mark: str) -> str:
+    return ", ".join([mark] * count)

@@ -22,7 +22,7 @@ from palpate.store.store import Store
 if TYPE_CHECKING:
     import pyarrow
 
-__all__ = ["Listed", "Page", "list_recordings", "to_arrow"]
+__all__ = ["Listed", "Page", "ids_matching", "list_recordings", "to_arrow"]
 
 
 @dataclass(frozen=True)
@@ -83,6 +83,17 @@ def list_recordings(
     return Page(tuple(_listed(row) for row in rows), None if end is None else str(end))
 
 
+def ids_matching(store: Store, wanted: Filter, sort: Sort | None = None) -> list[UUID]:
+    """Ids of all recordings that match, in order."""
+    sort = sort or Sort()
+    found = matching(wanted, sort, None, None).subquery()
+    columns = schema.recordings.c
+    asked = select(columns.uuid).join(found, found.c.id == columns.id)
+    with store.engine.connect() as connection:
+        rows = connection.scalars(in_order(asked, columns[sort.column], columns.id, sort, None))
+        return [UUID(bytes=uuid) for uuid in rows]
+
+
 def matching(wanted: Filter, sort: Sort, after: Cursor | None, limit: int | None) -> Select[*tuple[Any, ...]]:
     """Row numbers of the recordings that match, in order.
 
@@ -96,7 +107,7 @@ def matching(wanted: Filter, sort: Sort, after: Cursor | None, limit: int | None
         columns = schema.recordings.c
         asked = select(columns.id, columns[sort.column])
         asked = asked.where(*wanted.conditions(), *(_has_entry(columns.id, *entry) for entry in entries))
-        asked = _ordered(asked, columns[sort.column], columns.id, sort, after)
+        asked = in_order(asked, columns[sort.column], columns.id, sort, after)
     return asked if limit is None else asked.limit(limit)
 
 
@@ -115,16 +126,17 @@ def _from_entries(
     # the index over entries knows the gripper already
     if len(conditions) > (wanted.gripper is not None):
         asked = asked.join(schema.recordings, schema.recordings.c.id == columns.recording_id).where(*conditions)
-    return _ordered(asked, columns.recorded_us, columns.recording_id, sort, after)
+    return in_order(asked, columns.recorded_us, columns.recording_id, sort, after)
 
 
-def _ordered(
+def in_order(
     asked: Select[*tuple[Any, ...]],
     value: ColumnElement[Any],
     row: ColumnElement[int],
     sort: Sort,
     after: Cursor | None,
 ) -> Select[*tuple[Any, ...]]:
+    """What was asked in the order of a sorting, which a column and the row number make unique, after a cursor."""
     if after is not None:
         place, end = tuple_(value, row), tuple_(after.value, after.row)
         asked = asked.where(place < end if sort.descending else place > end)
@@ -147,7 +159,7 @@ def _rows_asked(matched: Select[*tuple[Any, ...]], sort: Sort) -> Select[*tuple[
         .join(page, page.c.id == recordings.c.id)
         .join(things, things.c.id == recordings.c.thing_id)
     )
-    return _ordered(asked, recordings.c[sort.column], recordings.c.id, sort, None)
+    return in_order(asked, recordings.c[sort.column], recordings.c.id, sort, None)
 
 
 def _listed(row: Mapping[Any, Any]) -> Listed:

@@ -10,9 +10,9 @@ from typing import TypeVar
 from sqlalchemy import Engine, event
 from sqlalchemy.engine import ExceptionContext
 
-from palpate.store.errors import DamagedError, UnavailableError
+from palpate.store.errors import DamagedError, StoreError, UnavailableError
 
-__all__ = ["LostError", "patiently", "tell_outages"]
+__all__ = ["LostError", "outage", "patiently", "tell_outages"]
 
 PATIENCE_S = 30.0
 """How long a server may be away, as while it is restarted."""
@@ -30,16 +30,21 @@ def tell_outages(engine: Engine) -> None:
 
     @event.listens_for(engine, "handle_error")
     def tell(context: ExceptionContext) -> Exception | None:
-        place, said = f"store {engine.url!r}", " ".join(str(context.original_exception).split())
         # a connection that waited in the pool is replaced without a word
         if context.is_pre_ping:
             return None
-        if getattr(context.original_exception, "sqlite_errorname", "").startswith(DAMAGED):
-            return DamagedError(f"{place}: {said}; expected the SQLite file that was written")
-        server = engine.dialect.name == "postgresql"
-        if server and (context.is_disconnect or context.connection is None):
-            return LostError(f"{place}: {said}; expected a server that answers")
-        return None
+        lost = context.is_disconnect or context.connection is None
+        return outage(engine, context.original_exception, lost=lost)
+
+
+def outage(engine: Engine, error: BaseException, *, lost: bool) -> StoreError | None:
+    """What an error of the driver is where the file is damaged, or the server is `lost`; None where it is neither."""
+    place, said = f"store {engine.url!r}", " ".join(str(error).split())
+    if getattr(error, "sqlite_errorname", "").startswith(DAMAGED):
+        return DamagedError(f"{place}: {said}; expected the SQLite file that was written")
+    if lost and engine.dialect.name == "postgresql":
+        return LostError(f"{place}: {said}; expected a server that answers")
+    return None
 
 
 def patiently(work: Callable[[], Done]) -> Done:

@@ -19,11 +19,12 @@ __all__ = ["Contents", "contents"]
 
 @dataclass(frozen=True)
 class Contents:
-    """How many recordings there are, of which objects and with which setups: the most frequent first."""
+    """How many recordings there are, of which objects and with which setups, the most frequent first; and episodes."""
 
     recordings: int
     things: tuple[tuple[ThingRef, int], ...]
     setups: tuple[tuple[Setup, int], ...]
+    episodes: int = 0
 
 
 def contents(store: Store) -> Contents:
@@ -34,6 +35,7 @@ def contents(store: Store) -> Contents:
         of_setups = dict(connection.execute(_counts(columns.setup_id)).all())
         things = {row["id"]: row for row in connection.execute(select(schema.things)).mappings()}
         setups = {row.id: row.document for row in connection.execute(select(schema.setups))}
+        episodes = connection.scalar(select(func.count()).select_from(schema.episodes))
     heads: dict[int, int] = {}
     for thing, count in of_things.items():
         head = things[thing]["merged_into"] or thing
@@ -42,6 +44,7 @@ def contents(store: Store) -> Contents:
         sum(of_things.values()),
         tuple((thing_of(things[head]), count) for head, count in _ranked(heads)),
         tuple((setup_from(json.loads(setups[setup])), count) for setup, count in _ranked(of_setups)),
+        episodes or 0,
     )
 
 

@@ -10,7 +10,7 @@ from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from palpate.store.archive import MANIFEST, RECORDINGS, TABLES, VERSION
+from palpate.store.archive import MANIFEST, MORE_TABLES, RECORDINGS, TABLES, VERSION
 from palpate.store.archive_rows import recording_at, recordings_schema
 from palpate.store.content import file_digest
 from palpate.store.errors import DamagedError, StoreError
@@ -96,6 +96,9 @@ def check_archive(folder: Path) -> None:
     version, _, digests = _manifest(folder)
     if version != VERSION:
         raise StoreError(f"{folder / MANIFEST}: version {version!r}, expected {VERSION}: update palpate")
+    for name in MORE_TABLES:
+        if name not in digests and (folder / name).exists():
+            raise DamagedError(f"{folder / name}: is not among the files of {MANIFEST}")
     for name, digest in digests.items():
         if not (folder / name).is_file() or file_digest(folder / name) != digest:
             raise DamagedError(f"{folder / name}: is missing or not the file that was written with {MANIFEST}")
@@ -106,7 +109,8 @@ def _manifest(folder: Path) -> tuple[Any, int, Mapping[str, Any]]:
     path = folder / MANIFEST
     try:
         manifest = json.loads(path.read_text(encoding="utf-8"))
-        digests = {name: manifest["sha256"][name] for name in TABLES}
+        written = manifest["sha256"]
+        digests = {name: written[name] for name in (*TABLES, *(name for name in MORE_TABLES if name in written))}
         return manifest["version"], int(manifest["recordings"]), digests
     except FileNotFoundError:
         raise StoreError(f"{path}: is missing, expected the folder of an archive") from None

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections import ChainMap
+from collections.abc import Hashable, Mapping, MutableMapping
 from hashlib import sha256
 from typing import Any
 
@@ -12,11 +13,14 @@ from sqlalchemy import Connection, Table, insert, select, update
 
 from palpate.store import schema
 from palpate.store.checks import check_unit
-from palpate.store.content import device_plain, setup_plain, thing_plain, to_json
+from palpate.store.content import device_plain, setup_plain, to_json
 from palpate.store.entries import Bound, Interval, Value
 from palpate.store.records import Device, Recording, Setup, ThingRef
 
-__all__ = ["Registry", "now_us"]
+__all__ = ["Lookup", "NotRememberedError", "Registry", "now_us"]
+
+MEASURED = (Value, Interval, Bound)
+Key = tuple[Hashable, ...]
 
 
 def now_us() -> int:
@@ -24,43 +28,32 @@ def now_us() -> int:
     return time.time_ns() // 1000
 
 
-class Registry:
-    """Row numbers of what recordings share, looked up or made by a `Lookup`.
+class NotRememberedError(Exception):
+    """What a recording refers to is not remembered: a `Lookup` finds or makes it."""
 
-    What was found is remembered: these rows are never removed. As a transaction may still fail, only
-    `Lookup.keep` fills it.
+
+class Registry:
+    """Row numbers of what recordings share.
+
+    What was found is remembered: these rows are never removed. As a transaction may still fail, only `Lookup.keep`
+    fills it. Where something is not remembered each method raises NotRememberedError.
     """
 
     def __init__(self) -> None:
-        self.remembered: dict[tuple[str, str], int] = {}
+        self.remembered: MutableMapping[Key, int] = {}
         self.admitted: set[tuple[str, str]] = set()
-
-
-class Lookup:
-    """Look-ups in one transaction; `keep` remembers them once it is committed."""
-
-    def __init__(self, connection: Connection, registry: Registry) -> None:
-        self.connection = connection
-        self.registry = registry
-        self.found: dict[tuple[str, str], int] = {}
-        self.admitted: set[tuple[str, str]] = set()
-
-    def keep(self) -> None:
-        """Remember what was found."""
-        self.registry.remembered.update(self.found)
-        self.registry.admitted.update(self.admitted)
 
     def layout(self, layout: str) -> int:
         """The row of a layout of series."""
-        return self._row("layout", layout, lambda: self._by_digest(schema.layouts, layout, {}))
+        return self.remembered.get(("layout", layout)) or self._new_layout(layout)
 
     def setup(self, setup: Setup) -> int:
         """The row of a setup."""
-        return self._row("setup", setup.digest, lambda: self._make_setup(setup))
+        return self.remembered.get(("setup", setup.digest)) or self._new_setup(setup)
 
     def thing(self, thing: ThingRef) -> int:
         """The row of an object; a description that says more than the one there completes it."""
-        return self._row("thing", to_json(thing_plain(thing)), lambda: self._make_thing(thing))
+        return self.remembered.get(_thing_key(thing)) or self._new_thing(thing)
 
     def admit_units(self, recording: Recording) -> None:
         """Refuse units of another dimension than a property was first given in; remember those of new properties.
@@ -71,25 +64,65 @@ class Lookup:
             Naming the entry.
         """
         for place, entry in enumerate(recording.entries):
-            if not isinstance(entry, Value | Interval | Bound) or entry.unit is None:
+            if not isinstance(entry, MEASURED) or entry.unit is None:
                 continue
-            if (entry.property, entry.unit) in self.registry.admitted | self.admitted:
-                continue
-            known = self._unit(entry.property)
-            check_unit(f"entries[{place}].unit", entry.unit, known)
+            if (entry.property, entry.unit) not in self.admitted:
+                self.admit_unit(f"entries[{place}].unit", entry.property, entry.unit)
+
+    def _new_layout(self, layout: str) -> int:
+        raise NotRememberedError
+
+    def _new_setup(self, setup: Setup) -> int:
+        raise NotRememberedError
+
+    def _new_thing(self, thing: ThingRef) -> int:
+        raise NotRememberedError
+
+    def admit_unit(self, where: str, name: str, unit: str) -> None:
+        """Refuse a unit of another dimension than a property was first given in; StoreError begins with `where`."""
+        raise NotRememberedError
+
+
+class Lookup(Registry):
+    """What recordings share, found or made in one transaction; `keep` remembers it once that is committed."""
+
+    def __init__(self, connection: Connection, registry: Registry) -> None:
+        super().__init__()
+        self.connection = connection
+        self.registry = registry
+        self.found: dict[Key, int] = {}
+        self.remembered = ChainMap(self.found, registry.remembered)
+
+    def keep(self) -> None:
+        """Remember what was found."""
+        self.registry.remembered.update(self.found)
+        self.registry.admitted.update(self.admitted)
+
+    def _new_layout(self, layout: str) -> int:
+        return self._kept(("layout", layout), self._by_digest(schema.layouts, layout, {}))
+
+    def _new_setup(self, setup: Setup) -> int:
+        return self._kept(("setup", setup.digest), self._make_setup(setup))
+
+    def _new_thing(self, thing: ThingRef) -> int:
+        return self._kept(_thing_key(thing), self._make_thing(thing))
+
+    def _kept(self, key: Key, row: int) -> int:
+        self.found[key] = row
+        return row
+
+    def admit_unit(self, where: str, name: str, unit: str) -> None:
+        """Refuse a unit of another dimension than a property was first given in, and remember that of a new one."""
+        if (name, unit) not in self.registry.admitted:
+            known = self._unit(name)
+            check_unit(where, unit, known)
             if known is None:
-                self.connection.execute(insert(schema.properties), {"name": entry.property, "unit": entry.unit})
-            self.admitted.add((entry.property, entry.unit))
+                self.connection.execute(insert(schema.properties), {"name": name, "unit": unit})
+        self.admitted.add((name, unit))
 
     def _unit(self, name: str) -> str | None:
         table = schema.properties.c
         return self.connection.execute(select(table.unit).where(table.name == name)).scalar()
-
-    def _row(self, kind: str, key: str, make: Callable[[], int]) -> int:
-        known = self.registry.remembered.get((kind, key)) or self.found.get((kind, key))
-        if known is None:
-            known = self.found[kind, key] = make()
-        return known
 
     def _by_digest(self, table: Table, text: str, columns: Mapping[str, Any]) -> int:
         digest = sha256(text.encode()).digest()
@@ -120,19 +153,26 @@ class Lookup:
 
     def _make_thing(self, thing: ThingRef) -> int:
         table = schema.things
-        there = select(table).where(table.c.dataset == thing.dataset, table.c.name == thing.id)
+        # nobody else may change the description until this one is written
+        there = select(table).where(table.c.dataset == thing.dataset, table.c.name == thing.id).with_for_update()
         found = self.connection.execute(there).mappings().first()
         if found is None:
-            return self._insert(table, {"dataset": thing.dataset, "name": thing.id, **_thing_row(thing)})
+            return self._insert(table, {"dataset": thing.dataset, "name": thing.id, **thing_row(thing)})
         known = thing_of(found)
         joined = joined_things(known, thing)
         if joined != known:
-            self.connection.execute(update(table).where(table.c.id == found["id"]).values(**_thing_row(joined)))
+            self.connection.execute(update(table).where(table.c.id == found["id"]).values(**thing_row(joined)))
         contradicted = contradictions(known, thing)
         if contradicted:
             row = {"at_us": now_us(), "what": "described otherwise", "thing_id": found["id"]}
             self.connection.execute(insert(schema.audit).values(**row, detail=to_json(contradicted)))
         return int(found["id"])
+
+
+def _thing_key(thing: ThingRef) -> Key:
+    """What tells an object, and its description, from others."""
+    described = to_json(thing.attributes) if thing.attributes else ""
+    return ("thing", thing.dataset, thing.id, thing.maker, thing.common_name, tuple(thing.aliases), described)
 
 
 def thing_of(row: Mapping[Any, Any]) -> ThingRef:
@@ -173,7 +213,8 @@ def contradictions(known: ThingRef, other: ThingRef) -> dict[str, Any]:
     return found
 
 
-def _thing_row(thing: ThingRef) -> dict[str, Any]:
+def thing_row(thing: ThingRef) -> dict[str, Any]:
+    """What the tables hold of a description."""
     return {
         "maker": thing.maker,
         "common_name": thing.common_name,

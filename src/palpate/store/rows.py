@@ -11,10 +11,10 @@ from typing import Any
 from palpate.network.units import unit_of
 from palpate.store.arrays import pack_bytes, pack_series
 from palpate.store.blobs import Blobs
-from palpate.store.content import layout_plain, to_json
+from palpate.store.content import layout_text
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
 from palpate.store.records import Recording
-from palpate.store.registry import Lookup
+from palpate.store.registry import Registry
 
 __all__ = ["IN_ROW_BYTES", "Prepared", "entry_columns", "entry_rows", "gripper_of", "microseconds", "prepare"]
 
@@ -38,7 +38,7 @@ class Prepared:
     log: Row
     series: tuple[Row, ...]
 
-    def recording_row(self, row: int, lookup: Lookup, uploaded_us: int) -> Row:
+    def recording_row(self, row: int, shared: Registry, uploaded_us: int) -> Row:
         """Its row in `recordings`."""
         recording = self.recording
         return {
@@ -48,8 +48,8 @@ class Prepared:
             "recorded_us": microseconds(recording.recorded_at),
             "uploaded_us": uploaded_us,
             "action": recording.action,
-            "thing_id": lookup.thing(recording.thing),
-            "setup_id": lookup.setup(recording.setup),
+            "thing_id": shared.thing(recording.thing),
+            "setup_id": shared.setup(recording.setup),
             "gripper": gripper_of(recording),
             "owner": recording.owner,
             "visibility": recording.visibility,
@@ -59,10 +59,10 @@ class Prepared:
             **self.log,
         }
 
-    def series_rows(self, row: int, lookup: Lookup) -> Iterator[Row]:
+    def series_rows(self, row: int, shared: Registry) -> Iterator[Row]:
         """Its rows in `series`."""
         for position, part in enumerate(self.series):
-            layout = lookup.layout(part["layout"])
+            layout = shared.layout(part["layout"])
             kept = {name: part[name] for name in ("name", "data", "blob")}
             yield {"recording_id": row, "position": position, "layout_id": layout, **kept}
 
@@ -85,7 +85,7 @@ def prepare(recording: Recording, blobs: Blobs) -> Prepared:
     series = []
     for one in recording.series:
         packed = _placed("data", "blob", pack_series(one), blobs)
-        series.append({"name": one.name, "layout": to_json(layout_plain(one)), **packed})
+        series.append({"name": one.name, "layout": layout_text(one), **packed})
     log = pack_bytes(recording.log.encode()) if recording.log else None
     return Prepared(recording, _placed("log", "log_blob", log, blobs), tuple(series))
 

@@ -82,8 +82,11 @@ thing_properties = Table(
     Column("id", Id, primary_key=True),
     Column("thing_id", Id, ForeignKey("things.id"), nullable=False, index=True),
     Column("property", String, nullable=False),
+    Column("source", String, nullable=False),
+    Column("label", String),
     Column("document", Text, nullable=False),
-    Column("source", Text),
+    UniqueConstraint("thing_id", "property", "source"),
+    _where("label IS NOT NULL", "property", "label", "thing_id"),
 )
 thing_images = Table(
     "thing_images",
@@ -207,9 +210,15 @@ episodes = Table(
     Column("id", Id, primary_key=True),
     Column("uuid", LargeBinary(16), nullable=False, unique=True),
     Column("digest", LargeBinary(32), nullable=False, unique=True),
-    Column("started_us", BigInteger, nullable=False, index=True),
-    Column("thing_id", Id, ForeignKey("things.id"), nullable=False, index=True),
+    Column("started_us", BigInteger, nullable=False),
+    Column("thing_id", Id, ForeignKey("things.id"), nullable=False),
+    Column("owner", String),
+    Column("visibility", String, nullable=False, server_default="private"),
+    Column("actions", Integer, nullable=False, server_default="0"),
+    Column("stop", Text),
     Column("document", Text, nullable=False),
+    Index(None, "started_us", "id"),
+    Index(None, "thing_id", "started_us", "id"),
 )
 episode_steps = Table(
     "episode_steps",
@@ -229,6 +238,7 @@ audit = Table(
     Column("thing_id", Id, ForeignKey("things.id"), index=True),
     Column("detail", Text, nullable=False),
     Column("undone_us", BigInteger),
+    Column("undone_by", String),
 )
 users = Table(
     "users",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 
 import numpy as np
 
@@ -64,12 +65,13 @@ def check_series(series: Iterable[Series]) -> None:
 
 
 def _check_channel(where: str, channel: Channel) -> None:
-    for field in ("name", "quantity"):
-        check_name(f"{where}.{field}", getattr(channel, field))
+    check_name(f"{where}.name", channel.name)
+    check_name(f"{where}.quantity", channel.quantity)
     values = channel.values
-    if values.dtype.kind not in NUMBERS or values.dtype.itemsize > 8:
+    dtype = values.dtype
+    if dtype.kind not in NUMBERS or dtype.itemsize > 8:
         raise StoreError(
-            f"{where}.values: samples of {values.dtype}, expected numbers of at most 8 bytes, as many in each sample"
+            f"{where}.values: samples of {dtype}, expected numbers of at most 8 bytes, as many in each sample"
         )
     if not values.ndim:
         raise StoreError(f"{where}.values: a single number, expected an array of samples")
@@ -79,7 +81,9 @@ def _check_channel(where: str, channel: Channel) -> None:
         _check_time(where, channel.time_s, len(values))
     if channel.unit is not None:
         check_name(f"{where}.unit", channel.unit)
-        _check_unit(where, channel.unit, channel.quantity)
+        fault = _unit_fault(channel.unit, channel.quantity)
+        if fault is not None:
+            raise StoreError(f"{where}.unit: {fault}")
 
 
 def _check_time(where: str, time_s: np.ndarray[tuple[int, ...], np.dtype[np.float64]], samples: int) -> None:
@@ -89,14 +93,17 @@ def _check_time(where: str, time_s: np.ndarray[tuple[int, ...], np.dtype[np.floa
         raise StoreError(f"{where}.time_s: a time stamp is not finite, expected seconds")
 
 
-def _check_unit(where: str, unit: str, quantity: str) -> None:
+@lru_cache(maxsize=1024)
+def _unit_fault(unit: str, quantity: str) -> str | None:
+    """What is wrong with a unit."""
     try:
         if quantity in QUANTITIES:
             factor(unit, QUANTITIES[quantity])
         else:
             unit_of(unit)
     except UnitError as error:
-        raise StoreError(f"{where}.unit: {error}") from None
+        return str(error)
+    return None
 
 
 def _check_lengths(where: str, series: Series) -> None:

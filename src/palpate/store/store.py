@@ -7,8 +7,9 @@ from types import TracebackType
 from typing import Self
 from uuid import UUID
 
-from sqlalchemy import Connection, Engine, text
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy import Engine, select
+from sqlalchemy.engine.interfaces import DBAPICursor
+from sqlalchemy.exc import DatabaseError, DBAPIError
 
 from palpate.store import schema
 from palpate.store.blobs import Blobs
@@ -17,10 +18,10 @@ from palpate.store.database import writing
 from palpate.store.decoding import recording_from
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.fetching import fetch
-from palpate.store.inserting import insert_rows, present_rows
+from palpate.store.inserting import CHUNK, Statements
 from palpate.store.outages import patiently
 from palpate.store.records import Receipt, Recording
-from palpate.store.registry import Lookup, Registry, now_us
+from palpate.store.registry import Lookup, NotRememberedError, Registry, now_us
 from palpate.store.rows import Prepared, entry_rows, prepare
 
 __all__ = ["Store"]
@@ -47,6 +48,7 @@ class Store:
         self.engine = engine
         self.blobs = blobs
         self._writing = writing(engine)
+        self._statements = Statements(engine)
         self._registry = Registry()
 
     def __enter__(self) -> Self:
@@ -125,7 +127,6 @@ class Store:
         return recording_from(found[0])
 
     def _commit_or_again(self, batch: Sequence[Prepared], attempts: int) -> list[Receipt]:
-        # statements of the hot path meet the driver's errors as they are, others wrapped
         driver = self.engine.dialect.loaded_dbapi
         try:
             return patiently(lambda: self._commit(batch))
@@ -135,46 +136,56 @@ class Store:
             race = isinstance(error, driver.IntegrityError) or getattr(error, "sqlstate", None) == DEADLOCK
             if race and attempts > 1:
                 return self._commit_or_again(batch, attempts - 1)
-            raise UnavailableError(f"store {self.engine.url!r}: {error}; nothing was kept") from None
+            # PostgreSQL's messages have several lines
+            told = f"store {self.engine.url!r}: {' '.join(str(error).split())}"
+            raise UnavailableError(f"{told}; nothing was kept") from None
 
     def _commit(self, batch: Sequence[Prepared]) -> list[Receipt]:
         """One transaction that puts what is not there yet."""
-        with self._writing.begin() as connection:
-            there = self._present(connection, batch)
-            new = {one.recording.digest: one for one in reversed(batch) if one.recording.digest not in there}
-            lookup = Lookup(connection, self._registry)
-            if new:
-                self._insert(lookup, list(reversed(new.values())))
-        lookup.keep()
+        try:
+            with self._statements.transaction() as cursor:
+                return self._put(cursor, self._registry, batch)
+        except NotRememberedError:
+            with self._writing.begin() as connection:
+                lookup = Lookup(connection, self._registry)
+                receipts = self._put(connection.connection.cursor(), lookup, batch)
+            lookup.keep()
+            return receipts
+
+    def _put(self, cursor: DBAPICursor, shared: Registry, batch: Sequence[Prepared]) -> list[Receipt]:
+        there = self._present(cursor, batch)
+        new = {one.recording.digest: one for one in reversed(batch) if one.recording.digest not in there}
+        if new:
+            self._insert(cursor, shared, list(reversed(new.values())))
         return [_receipt(one, there, new) for one in batch]
 
-    def _present(self, connection: Connection, batch: Sequence[Prepared]) -> dict[str, UUID]:
+    def _present(self, cursor: DBAPICursor, batch: Sequence[Prepared]) -> dict[str, UUID]:
         """Which of these recordings are there, by digest; refuse ids that others have."""
         _check_ids(batch)
         digests = [bytes.fromhex(one.recording.digest) for one in batch]
         ids = [one.recording.id.bytes for one in batch]
-        asked, found = set(digests), dict[str, UUID]()
-        for uuid, digest in present_rows(connection, digests, ids):
-            if digest in asked:
-                found[digest.hex()] = UUID(bytes=uuid)
-            else:
+        found: dict[str, UUID] = {}
+        asked = set(digests)
+        for uuid, digest in self._statements.present(cursor, digests, ids):
+            if digest not in asked:
                 raise StoreError(TAKEN.format(UUID(bytes=uuid)))
+            found[digest.hex()] = UUID(bytes=uuid)
         return found
 
-    def _insert(self, lookup: Lookup, batch: Sequence[Prepared]) -> None:
-        connection, uploaded_us = lookup.connection, now_us()
+    def _insert(self, cursor: DBAPICursor, shared: Registry, batch: Sequence[Prepared]) -> None:
+        uploaded_us = now_us()
         for one in batch:
-            lookup.admit_units(one.recording)
-        ids = _new_ids(connection, len(batch))
-        rows = [one.recording_row(row, lookup, uploaded_us) for row, one in zip(ids, batch, strict=True)]
-        insert_rows(connection, schema.recordings, rows)
+            shared.admit_units(one.recording)
+        ids = self._statements.new_ids(cursor, len(batch))
+        rows = [one.recording_row(row, shared, uploaded_us) for row, one in zip(ids, batch, strict=True)]
         numbered = list(zip(rows, batch, strict=True))
         for table, more in (
-            (schema.series, [part for row, one in numbered for part in one.series_rows(row["id"], lookup)]),
+            (schema.recordings, rows),
+            (schema.series, [part for row, one in numbered for part in one.series_rows(row["id"], shared)]),
             (schema.files, [part for row, one in numbered for part in one.file_rows(row["id"])]),
             (schema.entries, [part for row, one in numbered for part in entry_rows(one.recording, row)]),
         ):
-            insert_rows(connection, table, more)
+            self._statements.insert(cursor, table, more)
 
 
 def _check_ids(batch: Iterable[Prepared]) -> None:
@@ -191,17 +202,6 @@ def _receipt(one: Prepared, there: Mapping[str, UUID], new: Mapping[str, Prepare
         return Receipt(there[digest], digest, new=False)
     # of two that are the same, the first was kept
     return Receipt(new[digest].recording.id, digest, new=new[digest] is one)
-
-
-def _new_ids(connection: Connection, count: int) -> list[int]:
-    """Row numbers for recordings, known before they are inserted, so that all their rows go in at once."""
-    if connection.dialect.name == "postgresql":
-        # a sequence is safe while others insert
-        asked = "SELECT nextval('recordings_id_seq') FROM generate_series(1, :count)"
-        return list(connection.execute(text(asked), {"count": count}).scalars())
-    # in SQLite there is one writer at a time
-    last = connection.exec_driver_sql("SELECT max(id) FROM recordings").scalar() or 0
-    return list(range(last + 1, last + 1 + count))
 
 
 def _bytes_of(key: UUID | str) -> bytes:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import sqrt
 from statistics import stdev
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import Row, Select, and_, func, select
 
@@ -15,7 +15,10 @@ from palpate.network.units import unit_of
 from palpate.store import schema
 from palpate.store.store import Store
 
-__all__ = ["Cell", "objects_by_properties"]
+if TYPE_CHECKING:
+    import pyarrow
+
+__all__ = ["Cell", "cells_to_arrow", "objects_by_properties"]
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,15 @@ def objects_by_properties(store: Store) -> list[Cell]:
         measured[things[thing].merged_into or thing, name].append(Group(count, mean, squares))
     cells = [_cell(things[thing], name, units[name], parts) for (thing, name), parts in measured.items()]
     return sorted(cells, key=lambda cell: (cell.dataset, cell.thing, cell.property))
+
+
+def cells_to_arrow(cells: Sequence[Cell]) -> pyarrow.Table:
+    """The cells as an Arrow table, a row for each, which pandas and Polars read as it is."""
+    import pyarrow as pa
+
+    kinds = {"str": pa.string(), "float": pa.float64(), "float | None": pa.float64(), "int": pa.int64()}
+    columns = pa.schema([(field.name, kinds[str(field.type)]) for field in fields(Cell)])
+    return pa.Table.from_pylist([vars(cell) for cell in cells], schema=columns)
 
 
 class Group(NamedTuple):

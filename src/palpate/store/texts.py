@@ -9,6 +9,8 @@ from palpate.store.errors import StoreError
 
 __all__ = ["check_encoding", "check_json", "check_name", "check_number", "check_numbers", "check_text"]
 
+DEEPEST = 100
+
 
 def check_numbers(where: str, numbers: Sequence[float], count: int) -> None:
     """Refuse other than `count` finite numbers."""
@@ -52,20 +54,24 @@ def check_encoding(where: str, text: str) -> None:
         raise StoreError(f"{where}: character {error.start} is half of a pair, expected text of whole ones") from None
 
 
-def check_json(where: str, value: object) -> None:
-    """Refuse what would come back from JSON as something else."""
+def check_json(where: str, value: object, depth: int = DEEPEST) -> None:
+    """Refuse what would come back from JSON as something else, or is nested deeper than readers of JSON go."""
+    if value is None:
+        return
+    if not depth:
+        raise StoreError(f"{where}: is nested too deep, expected at most {DEEPEST} levels")
     if isinstance(value, Mapping):
         for key, item in value.items():
             if not isinstance(key, str):
                 raise StoreError(f"{where}: found the key {key!r}, expected text")
             check_text(f"{where} key", key)
-            check_json(f"{where}.{key}", item)
+            check_json(f"{where}.{key}", item, depth - 1)
     elif isinstance(value, list | tuple):
         for place, item in enumerate(value):
-            check_json(f"{where}[{place}]", item)
+            check_json(f"{where}[{place}]", item, depth - 1)
     elif isinstance(value, float) and not math.isfinite(value):
         raise StoreError(f"{where}: found {value}, which JSON cannot hold; expected a finite number")
     elif isinstance(value, str):
         check_text(where, value)
-    elif not (value is None or isinstance(value, bool | int | float)):
+    elif not isinstance(value, bool | int | float):
         raise StoreError(f"{where}: found {type(value).__name__}, expected what JSON can hold")

@@ -20,6 +20,7 @@ from palpate.store.fetching import fetch, id_chunks
 from palpate.store.records import Recording
 from palpate.store.rows import entry_rows, gripper_of, microseconds
 from palpate.store.store import Store
+from palpate.store.verifying_episodes import episode_faults, known_faults, mend_episode
 
 __all__ = ["Fault", "repair", "verify"]
 
@@ -35,7 +36,7 @@ class Fault:
     Attributes
     ----------
     where
-        ``recording ...``, ``blob ...``, ``setup ...`` or ``database``.
+        ``recording ...``, ``episode ...``, ``object ...``, ``blob ...``, ``setup ...`` or ``database``.
     what
         What was found.
     remedy
@@ -54,6 +55,8 @@ def verify(store: Store) -> Iterator[Fault]:
         yield from _shared_faults(connection)
         for ids in id_chunks(connection, AT_ONCE):
             yield from _recording_faults(connection, store, ids)
+        for where, what, again in (*episode_faults(connection), *known_faults(connection)):
+            yield Fault(where, what, REINDEX if again else None)
         yield from _blob_faults(connection, store)
 
 
@@ -71,8 +74,10 @@ def repair(store: Store) -> list[Fault]:
     """
     faults = list(verify(store))
     for fault in faults:
-        _, _, name = fault.where.partition(" ")
-        if fault.remedy == REINDEX:
+        kind, _, name = fault.where.partition(" ")
+        if fault.remedy == REINDEX and kind == "episode":
+            mend_episode(store, UUID(name))
+        elif fault.remedy == REINDEX:
             _reindex(store, UUID(name))
         elif fault.remedy == SET_ASIDE:
             store.blobs.set_aside(name)

@@ -1,6 +1,6 @@
 """Invented recordings: one by hand, and any that a store would keep."""
 
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from typing import Any
 
 import numpy as np
@@ -82,7 +82,9 @@ def all_series(draw: st.DrawFn) -> tuple[Series, ...]:
 
 
 def devices(kind: str) -> st.SearchStrategy[Device]:
-    return st.builds(Device, st.just(kind), words, st.none() | words, tables, tables, st.none() | words)
+    return st.builds(
+        Device, st.just(kind), words, st.none() | words, tables, tables, st.none() | st.dates().map(date.isoformat)
+    )
 
 
 @st.composite

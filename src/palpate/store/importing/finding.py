@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from palpate.errors import PalpateError
-from palpate.store.importing.items import Fate, Format, Item, Outcome
+from palpate.store.errors import UnavailableError
+from palpate.store.importing.items import Fate, Format, HoldsMore, Item, Outcome
+from palpate.store.store import Store
 
 __all__ = ["Found", "count_items", "find"]
 
@@ -34,7 +36,21 @@ class Found:
         try:
             yield from self.format.items(self.path)
         except (PalpateError, OSError) as error:
-            yield Outcome(str(self.path), Fate.REFUSED, told(error, self.path))
+            yield self._refused(error)
+
+    def put_more(self, store: Store) -> Iterator[Outcome]:
+        """Put what is no recording into a store that has the recordings."""
+        if not isinstance(self.format, HoldsMore):
+            return
+        try:
+            yield from self.format.put_more(self.path, store)
+        except UnavailableError:
+            raise
+        except (PalpateError, OSError) as error:
+            yield self._refused(error)
+
+    def _refused(self, error: Exception) -> Outcome:
+        return Outcome(str(self.path), Fate.REFUSED, told(error, self.path))
 
 
 def find(paths: Iterable[Path], formats: Sequence[Format]) -> Iterator[Found | Outcome]:

@@ -57,22 +57,29 @@ def import_paths(store: Store, paths: Iterable[Path], formats: Sequence[Format])
     UnavailableError
         If the store cannot be used any more. What is wrong with a file or recording is told in its outcome.
     """
-    unknown: list[Outcome] = []
+    unknown, whole = list[Outcome](), list[Found]()
     used: set[str] = set()
-    for outcome in _taken(store, _items(find(paths, formats), unknown)):
+    for outcome in _taken(store, _items(find(paths, formats), unknown, whole)):
         used.update(_files_beside(outcome))
         yield outcome
+    for found in whole:
+        yield from found.put_more(store)
     # a picture that lies beside the file that names it belongs to that one
     yield from (outcome for outcome in unknown if outcome.source not in used)
 
 
-def _items(found: Iterable[Found | Outcome], unknown: list[Outcome]) -> Iterator[Item | Outcome]:
-    """The items of all that was found; what nothing can be made of is put aside."""
+def _items(found: Iterable[Found | Outcome], unknown: list[Outcome], whole: list[Found]) -> Iterator[Item | Outcome]:
+    """The items of all that was found; put aside what nothing can be made of, and what was read to its end."""
     for one in found:
-        if isinstance(one, Found):
-            yield from one.items()
-        else:
+        if not isinstance(one, Found):
             unknown.append(one)
+            continue
+        broken = False
+        for item in one.items():
+            broken = isinstance(item, Outcome) and item.source == str(one.path)
+            yield item
+        if not broken:
+            whole.append(one)
 
 
 def _files_beside(outcome: Outcome) -> Iterator[str]:

@@ -6,12 +6,15 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 from uuid import NAMESPACE_URL, uuid5
 
 from palpate.store.records import Recording
 
-__all__ = ["Fate", "Format", "Item", "Outcome", "identified"]
+if TYPE_CHECKING:
+    from palpate.store.store import Store
+
+__all__ = ["Fate", "Format", "HoldsMore", "Item", "Outcome", "identified"]
 
 
 class Fate(Enum):
@@ -75,6 +78,20 @@ class Format(Protocol):
 
     def items(self, path: Path) -> Iterator[Item | Outcome]:
         """Give the recordings, and what is refused or skipped before it is read.
+
+        Raises
+        ------
+        PalpateError, OSError
+            If nothing, or no more, can be read.
+        """
+
+
+@runtime_checkable
+class HoldsMore(Protocol):
+    """A format that holds more than recordings."""
+
+    def put_more(self, path: Path, store: Store) -> Iterator[Outcome]:
+        """Put the rest into a store that has the recordings, and tell what is new there and what was refused.
 
         Raises
         ------

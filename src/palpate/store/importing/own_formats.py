@@ -8,10 +8,16 @@ from functools import partial
 from pathlib import Path
 
 from palpate.store.archive import MANIFEST, NAME, RECORDINGS
+from palpate.store.archive_episodes import EPISODES, read_episodes
+from palpate.store.archive_things import OBJECTS, import_things
+from palpate.store.episodes import StoredEpisode
+from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.importing.folder import JOURNAL
-from palpate.store.importing.items import Item
+from palpate.store.importing.items import Fate, Item, Outcome
 from palpate.store.importing.reading_folder import read_folder, stated_digest
+from palpate.store.keeping_episodes import put_episode
 from palpate.store.reading_archive import archive_rows, stated_count
+from palpate.store.store import Store
 
 __all__ = ["EXAMPLE", "Archives", "RecordingFolders"]
 
@@ -24,7 +30,7 @@ BEGINNING = 4096
 
 
 class Archives:
-    """The folder of an archive."""
+    """The folder of an archive: recordings, episodes, and what is known of objects."""
 
     def owns(self, path: Path) -> bool:
         """Tell whether it is a folder with a manifest, and a table or the format's name in it."""
@@ -43,6 +49,24 @@ class Archives:
         for row in archive_rows(path):
             digest = row.digest if DIGEST.fullmatch(row.digest or "") else None
             yield Item(f"{path}: recording {row.id}", row.read, digest)
+
+    def put_more(self, path: Path, store: Store) -> Iterator[Outcome]:
+        """What is said of objects, and the episodes; what the store has or says already stays."""
+        if (path / OBJECTS).is_file():
+            for reason in import_things(store, path):
+                yield Outcome(str(path), Fate.REFUSED, reason)
+        if (path / EPISODES).is_file():
+            for episode in read_episodes(path):
+                yield _put_episode(store, episode, f"{path}: episode {episode.id}")
+
+
+def _put_episode(store: Store, episode: StoredEpisode, source: str) -> Outcome:
+    try:
+        return Outcome(source, Fate.NEW if put_episode(store, episode).new else Fate.KNOWN)
+    except UnavailableError:
+        raise
+    except StoreError as error:
+        return Outcome(source, Fate.REFUSED, str(error))
 
 
 class RecordingFolders:

@@ -1,4 +1,4 @@
-"""Episodes: the log of an exploration, a line per step, enough to draw it again and to replay it.
+"""The form of an episode: the records of its log, and what they say.
 
 The first line tells what was explored and how, with the belief at the start; then comes a line
 for each step as soon as it is done, and a last one with the reason why exploration stopped. A log
@@ -7,22 +7,21 @@ without the last line is of an exploration that was interrupted, and can be read
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from palpate import __version__
 from palpate.errors import EvidenceError, LogError
 from palpate.evidence import format_item, parse_item, spell_out
 from palpate.explore import Step
 from palpate.inference.belief import Belief
-from palpate.logfile import EPISODE_FORMAT, Line, read_lines, write_line
+from palpate.logfile import EPISODE_FORMAT, Line, finite
 from palpate.network.digest import digest
 from palpate.outcomes import Outcome
 from palpate.summary import BeliefSummary, summarise, summary_from_json
 
-__all__ = ["About", "Episode", "EpisodeLog", "LoggedStep", "read_episode", "record_episode"]
+__all__ = ["About", "Episode", "LoggedStep", "episode_of", "header_record", "step_record"]
 
 NUMBER = (int, float)
 NUMBER_OR_NULL = (int, float, type(None))
@@ -109,75 +108,23 @@ class Episode:
         return self.steps[-1].after if self.steps else self.prior
 
 
-class EpisodeLog:
-    """Writes the log of an episode, each step as soon as it is done.
-
-    Parameters
-    ----------
-    belief
-        The belief at the start.
-
-    Raises
-    ------
-    LogError
-        The file cannot be written.
-
-    Examples
-    --------
-    ::
-
-        log = EpisodeLog("episode.jsonl", belief, About(object="banana_ycb"))
-        for step in explore(belief, robot):
-            log.write(step)
-    """
-
-    def __init__(self, path: str | Path, belief: Belief, about: About | None = None) -> None:
-        self._path = Path(path)
-        self._add("w", _header(belief, about or About()))
-
-    def write(self, step: Step) -> None:
-        """Add a step; LogError if the file cannot be written any more."""
-        self._add("a", _record(step))
-
-    def _add(self, mode: Literal["a", "w"], record: Mapping[str, Any]) -> None:
-        try:
-            with self._path.open(mode, encoding="utf-8") as file:
-                write_line(file, record)
-        except OSError as error:
-            raise LogError(f"{self._path} cannot be written: {error.strerror or error}") from error
-
-
-def record_episode(belief: Belief, steps: Iterable[Step], about: About | None = None) -> Episode:
-    """Make the episode of an exploration in memory: the same as writing its log and reading it."""
-    records = [_header(belief, about or About()), *map(_record, steps)]
-    return _episode([Line(f"record {number}", record) for number, record in enumerate(records, 1)])
-
-
-def read_episode(path: str | Path) -> Episode:
-    """Read the log of an episode.
-
-    Raises
-    ------
-    LogError
-        The file cannot be read, is no episode log, or a line is cut off or lacks something; the
-        message names the file and the line.
-    """
-    return _episode(read_lines(path, EPISODE_FORMAT))
-
-
-def _header(belief: Belief, about: About) -> dict[str, Any]:
+def header_record(belief: Belief, about: About) -> dict[str, Any]:
+    """The first line: how an object is explored, and the belief at the start."""
     network = {"name": belief.network.name, "digest": digest(belief.network)}
     setup = {"palpate": __version__, "network": network, **asdict(about)}
-    return {"format": EPISODE_FORMAT, **setup, "belief": _as_json(summarise(belief))}
+    record: dict[str, Any] = finite({"format": EPISODE_FORMAT, **setup, "belief": _as_json(summarise(belief))})
+    return record
 
 
-def _record(step: Step) -> dict[str, Any]:
+def step_record(step: Step) -> dict[str, Any]:
+    """The line of a step; the last one says why exploration stopped."""
     if step.action is None:
-        return {"stop": step.stop, "total_cost_s": step.total_cost_s, "gains_bits": dict(step.gains_bits)}
+        end: dict[str, Any] = {"stop": step.stop, "total_cost_s": step.total_cost_s, "gains_bits": step.gains_bits}
+        return dict(finite(end))
     assert step.outcome is not None
     assert step.admitted is not None
     admitted = spell_out(step.before.network, step.action, step.admitted)
-    return {
+    taken: dict[str, Any] = {
         "step": step.index,
         "action": step.action,
         "outcome": format_item(step.action, step.outcome),
@@ -192,13 +139,15 @@ def _record(step: Step) -> dict[str, Any]:
         "surprise": step.surprise,
         "belief": _as_json(summarise(step.after)),
     }
+    return dict(finite(taken))
 
 
 def _as_json(summary: BeliefSummary) -> dict[str, Any]:
     return {name: entry.to_json() for name, entry in summary.items()}
 
 
-def _episode(lines: Sequence[Line]) -> Episode:
+def episode_of(lines: Sequence[Line]) -> Episode:
+    """The episode that the lines of a log tell; LogError names the line that is incomplete."""
     header, *rest = lines
     prior = summary_from_json(header.where, header.get("belief", dict))
     ends = [place for place, line in enumerate(rest) if "stop" in line.record]

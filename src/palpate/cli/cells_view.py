@@ -1,0 +1,59 @@
+"""Objects x properties, and devices with their calibrations, in the terminal."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rich.table import Table
+
+from palpate.figures.wording import number
+
+if TYPE_CHECKING:
+    from palpate.store.calibrations import KnownDevice
+    from palpate.store.summary import Cell
+
+__all__ = ["cell_words", "cells_table", "devices_table"]
+
+
+def cells_table(cells: Sequence[Cell]) -> Table:
+    """A row for each object, a column for each property."""
+    names = sorted({(cell.property, cell.unit) for cell in cells})
+    found = {(cell.dataset, cell.thing, cell.property): cell for cell in cells}
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for name in ("object", "dataset"):
+        table.add_column(name, overflow="fold")
+    for name, unit in names:
+        table.add_column(f"{name} [{unit}]", overflow="fold")
+    for dataset, thing in sorted({(cell.dataset, cell.thing) for cell in cells}):
+        row = [found.get((dataset, thing, name)) for name, _ in names]
+        table.add_row(thing, dataset, *("" if cell is None else cell_words(cell) for cell in row))
+    return table
+
+
+def cell_words(cell: Cell) -> str:
+    """Mean and SD, and in brackets how many values there are and how far devices differ.
+
+    Examples
+    --------
+    >>> from palpate.store.summary import Cell
+    >>> cell_words(Cell("ycb", "mug", "mass", "g", 118.2, 1.25, 5, 2, 0.8))
+    '118 ± 1.25 (5, devices ± 0.800)'
+    """
+    spread = "" if cell.sd is None else f" ± {number(cell.sd)}"
+    between = "" if cell.between_devices_sd is None else f", devices ± {number(cell.between_devices_sd)}"
+    return f"{number(cell.mean)}{spread} ({cell.count}{between})"
+
+
+def devices_table(found: Sequence[KnownDevice]) -> Table:
+    """A row for each device and calibration."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for name in ("kind", "device", "maker", "calibrated on", "calibration", "recordings"):
+        table.add_column(name, overflow="fold")
+    for device, count in found:
+        told = json.dumps(device.calibration) if device.calibration else ""
+        table.add_row(
+            device.kind, device.name, device.maker or "", device.calibrated_on or "not stated", told, str(count)
+        )
+    return table

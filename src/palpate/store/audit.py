@@ -1,0 +1,109 @@
+"""Who changed what about an object, and when; each change says what was there before."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from typing import Any
+
+from sqlalchemy import Connection, insert, select, update
+
+from palpate.store import schema
+from palpate.store.content import to_json
+from palpate.store.errors import StoreError
+from palpate.store.records import ThingRef
+from palpate.store.registry import now_us, thing_of
+from palpate.store.rows import EPOCH
+from palpate.store.store import Store
+from palpate.store.things import is_thing
+
+__all__ = ["ADDED", "CHANGED", "MERGED", "UNDOABLE", "Change", "history"]
+
+ADDED, CHANGED, MERGED = "added", "changed", "merged"
+UNDOABLE = (CHANGED, MERGED)
+Row = Mapping[Any, Any]
+
+
+@dataclass(frozen=True)
+class Change:
+    """A line of the audit.
+
+    Attributes
+    ----------
+    at, who
+        When it was done, and by whom; None where nobody said so.
+    what
+        ``added``, ``changed``, ``merged`` or ``described otherwise``: a recording contradicts the description.
+    thing
+        The object.
+    detail
+        What was there before and after.
+    undone_at, undone_by
+        When it was taken back, and by whom; None where it holds.
+    """
+
+    at: datetime
+    who: str | None
+    what: str
+    thing: ThingRef
+    detail: Any
+    undone_at: datetime | None
+    undone_by: str | None
+
+
+def history(store: Store, thing: ThingRef | None = None) -> tuple[Change, ...]:
+    """What was changed about an object, or about all, the first first."""
+    things, audit = schema.things, schema.audit
+    asked = select(audit, things).join(things, things.c.id == audit.c.thing_id).order_by(audit.c.id)
+    if thing is not None:
+        asked = asked.where(is_thing(thing))
+    with store.engine.connect() as connection:
+        return tuple(_change(row) for row in connection.execute(asked).mappings())
+
+
+def note(connection: Connection, thing_id: int, what: str, detail: Any, who: str | None) -> None:
+    """Add a line, in the transaction of the change itself."""
+    row = {"at_us": now_us(), "who": who, "what": what, "thing_id": thing_id, "detail": to_json(detail)}
+    connection.execute(insert(schema.audit).values(**row))
+
+
+def last_of(connection: Connection, thing_id: int, *what: str) -> Row | None:
+    """The last change of these kinds that was not taken back."""
+    audit = schema.audit
+    holds = (audit.c.thing_id == thing_id, audit.c.what.in_(what), audit.c.undone_us.is_(None))
+    return connection.execute(select(audit).where(*holds).order_by(audit.c.id.desc()).limit(1)).mappings().first()
+
+
+def take_back(connection: Connection, row: Row, who: str | None) -> None:
+    """Note that a change was undone."""
+    audit = schema.audit
+    connection.execute(update(audit).where(audit.c.id == row["id"]).values(undone_us=now_us(), undone_by=who))
+
+
+def row_of(connection: Connection, name: str, thing: ThingRef) -> Row:
+    """The row of an object, which nobody else changes until the transaction ends; StoreError where there is none."""
+    asked = select(schema.things).where(is_thing(thing)).with_for_update()
+    row = connection.execute(asked).mappings().first()
+    if row is None:
+        raise StoreError(f"{name}: {thing.dataset} {thing.id} is not in the store, expected an object that is")
+    return row
+
+
+def _change(row: Row) -> Change:
+    audit = schema.audit.c
+    undone = row[audit.undone_us]
+    return Change(
+        at=_moment(row[audit.at_us]),
+        who=row[audit.who],
+        what=row[audit.what],
+        thing=thing_of({column.name: row[column] for column in schema.things.c}),
+        detail=json.loads(row[audit.detail]),
+        undone_at=None if undone is None else _moment(undone),
+        undone_by=row[audit.undone_by],
+    )
+
+
+def _moment(us: int) -> datetime:
+    return EPOCH + timedelta(microseconds=us)

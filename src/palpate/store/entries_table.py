@@ -1,0 +1,84 @@
+"""Results as a tidy table: a row for each, with what it is of, from whom and when."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from datetime import timedelta
+from typing import TYPE_CHECKING, Any
+from uuid import UUID
+
+from sqlalchemy import select
+
+from palpate.store import schema
+from palpate.store.archive_rows import entries_schema
+from palpate.store.content import to_json
+from palpate.store.decoding import entry_from
+from palpate.store.filters import Filter, Sort
+from palpate.store.listing import in_order, matching
+from palpate.store.rows import EPOCH, entry_columns
+from palpate.store.store import Store
+
+if TYPE_CHECKING:
+    import pyarrow
+
+__all__ = ["entries_table"]
+
+AT_ONCE = 2000
+
+
+def entries_table(
+    store: Store, wanted: Filter | None = None, sort: Sort | None = None, *, limit: int | None = None
+) -> pyarrow.Table:
+    """The results of the recordings that match, a row for each.
+
+    The columns are those of ``entries.parquet`` in an archive: ``recording``, ``action``, ``dataset``, ``object``,
+    ``gripper``, ``kind``, ``property``, ``value``, ``sd``, ``low``, ``high``, ``unit``, ``value_si``, ``sd_si``,
+    ``label`` (the most probable one), ``document`` (the whole result as JSON), ``recorded_at`` and ``ground_truth``.
+    ``entries_table(store).to_pandas()`` and ``polars.from_arrow(entries_table(store))`` are data frames.
+
+    Parameters
+    ----------
+    store
+        Where to look.
+    wanted, sort
+        Which recordings, and in which order; all, the last recorded first, unless given.
+    limit
+        Of how many recordings at most.
+    """
+    import pyarrow
+
+    columns = entries_schema()
+    with store.engine.connect() as connection:
+        found = connection.execution_options(yield_per=AT_ONCE).execute(_asked(wanted or Filter(), sort, limit))
+        batches = [
+            pyarrow.RecordBatch.from_pylist([line for row in part for line in _lines(row)], schema=columns)
+            for part in found.mappings().partitions()
+        ]
+    return pyarrow.Table.from_batches(batches, schema=columns)
+
+
+def _asked(wanted: Filter, sort: Sort | None, limit: int | None) -> Any:
+    sort, recordings, things = sort or Sort(), schema.recordings, schema.things
+    those = matching(wanted, sort, None, limit).subquery()
+    names = ("uuid", "action", "gripper", "recorded_us", "ground_truth", "document")
+    asked = (
+        select(*(recordings.c[name] for name in names), things.c.dataset, things.c.name)
+        .join(those, those.c.id == recordings.c.id)
+        .join(things, things.c.id == recordings.c.thing_id)
+    )
+    return in_order(asked, recordings.c[sort.column], recordings.c.id, sort, None)
+
+
+def _lines(row: Mapping[Any, Any]) -> Iterator[dict[str, Any]]:
+    shared = {
+        "recording": str(UUID(bytes=row["uuid"])),
+        "action": row["action"],
+        "dataset": row["dataset"],
+        "object": row["name"],
+        "gripper": row["gripper"],
+        "recorded_at": EPOCH + timedelta(microseconds=row["recorded_us"]),
+        "ground_truth": bool(row["ground_truth"]),
+    }
+    for entry in json.loads(row["document"])["entries"]:
+        yield {**shared, **entry_columns(entry_from(entry)), "document": to_json(entry)}

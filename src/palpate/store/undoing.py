@@ -1,0 +1,63 @@
+"""Taking back the last change of an object."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from sqlalchemy import Connection
+
+from palpate.store.audit import MERGED, UNDOABLE, last_of, row_of, take_back
+from palpate.store.content import to_json
+from palpate.store.database import changing
+from palpate.store.describing import fields_of, with_fields, write
+from palpate.store.errors import StoreError
+from palpate.store.merging import unmerge
+from palpate.store.records import ThingRef
+from palpate.store.store import Store
+from palpate.store.things import is_thing, things_where
+
+__all__ = ["undo"]
+
+
+def undo(store: Store, thing: ThingRef, *, who: str | None = None) -> str:
+    """Take back the last change of an object that holds: of its description, or that it was merged.
+
+    Called again it takes back the one before.
+
+    Returns
+    -------
+    str
+        What was taken back: ``changed`` or ``merged``.
+
+    Raises
+    ------
+    StoreError
+        If it is not in the store, nothing is left to take back, or what was changed is no longer as it was left: a
+        recording has completed the description since.
+    """
+    with changing(store.engine) as connection:
+        row = row_of(connection, "thing", thing)
+        last = last_of(connection, row["id"], *UNDOABLE)
+        if last is None:
+            raise StoreError(f"thing: {thing.dataset} {thing.id} has no change to take back, expected one that has")
+        if last["what"] == MERGED:
+            unmerge(connection, row, last)
+        else:
+            _restore(connection, row["id"], thing, json.loads(last["detail"]))
+        take_back(connection, last, who)
+        return str(last["what"])
+
+
+def _restore(connection: Connection, row: int, thing: ThingRef, detail: list[dict[str, Any]]) -> None:
+    (now,) = things_where(connection, is_thing(thing))
+    fields = dict(fields_of(now))
+    for one in detail:
+        field = tuple(one["field"])
+        if to_json(fields.get(field)) != to_json(one.get("after")):
+            where = f"thing: {thing.dataset} {thing.id}: {'.'.join(field)}"
+            raise StoreError(f"{where} was completed since by a recording, expected what the change left: set it")
+        fields.pop(field, None)
+        if "before" in one:
+            fields[field] = one["before"]
+    write(connection, row, with_fields(now, fields))

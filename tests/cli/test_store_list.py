@@ -1,0 +1,126 @@
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars
+import pyarrow.parquet as pq
+import pytest
+
+from palpate.store.entries import Distribution, Value
+from palpate.store.opening import open_store
+from palpate.store.records import Device, Setup
+from tests.store.made_up import squeeze
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A store with squeezings, a label and a second gripper, which the commands find by the environment."""
+    path = tmp_path / "store.sqlite"
+    monkeypatch.setenv("PALPATE_STORE", str(path))
+    monkeypatch.delenv("PALPATE_BLOBS", raising=False)
+    calibrated = Device("gripper", "another", calibration={"offset_N": 0.5}, calibrated_on="2024-05-01")
+    with open_store(path) as store:
+        store.put_many(squeeze(number) for number in range(4))
+        store.put(squeeze(6, setup=Setup(gripper=calibrated)))
+        store.put(squeeze(7, action="looking", entries=(Distribution("kind", {"mug": 0.9, "box": 0.1}),), series=()))
+    return path
+
+
+def test_results_are_printed_as_csv(run: Any, place: Path) -> None:
+    """Each result is a row; filters and the order apply, and all recordings are there unless a limit is given."""
+    printed = run("store", "list", "--format", "csv", "--ascending", "--gripper", "two_finger").out
+    table = polars.read_csv(printed.encode())
+    assert table["value"].to_list() == [40.0, 41.0, 42.0, 43.0, None]
+    assert table["label"].to_list()[-1] == "mug"
+    assert len(polars.read_csv(run("store", "list", "--format", "csv", "--limit", 2).out.encode())) == 2
+
+
+def test_results_are_written_as_parquet(run: Any, place: Path, tmp_path: Path) -> None:
+    """The file has the columns of an archive's results."""
+    path = tmp_path / "results.parquet"
+    assert run("store", "list", "--format", "parquet", "-o", path, "--property", "elasticity").code == 0
+    found = pq.read_table(path)
+    assert (found.num_rows, found["unit"].unique().to_pylist()) == (5, ["kPa"])
+    assert {"recording", "value_si", "document", "ground_truth"} <= set(found.column_names)
+
+
+def test_json_goes_to_a_file_too(run: Any, place: Path, tmp_path: Path) -> None:
+    """What would be printed is written instead."""
+    path = tmp_path / "page.json"
+    assert run("store", "list", "--json", "--limit", 2, "-o", path).out == ""
+    assert len(json.loads(path.read_text(encoding="utf-8"))["recordings"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--format", "parquet"], "--format parquet: is for a file, expected --output FILE"),
+        (["--output", "x.txt"], "--output: a table is for people"),
+        (["--format", "csv", "--cursor", "x"], "--cursor: is for pages"),
+        (["--format", "csv", "-o", "nowhere/x.csv"], "--output: the folder nowhere does not exist"),
+        (["--known", "mug"], "--known: 'mug' was found, expected PROPERTY=LABEL"),
+    ],
+)
+def test_options_that_do_not_fit_are_refused(run: Any, place: Path, arguments: list[str], message: str) -> None:
+    """One sentence, and nothing is written."""
+    assert message in run("store", "list", *arguments).refused
+
+
+def test_the_table_of_objects_and_properties(run: Any, place: Path) -> None:
+    """Means, SDs, counts and the spread between devices stand in a table, in JSON and in CSV."""
+    told = " ".join(run("store", "table").out.split())
+    assert "elasticity [kPa]" in told
+    assert "43.0 ± 3.00 (3, devices ± 3.18)" in told
+    cells = json.loads(run("store", "table", "--json").out)
+    assert [(cell["thing"], cell["count"]) for cell in cells] == [("object0", 3), ("object1", 1), ("object2", 1)]
+    rows = polars.read_csv(run("store", "table", "--format", "csv").out.encode())
+    assert rows["mean"].to_list() == [cell["mean"] for cell in cells]
+
+
+def test_curves_are_written_as_arrays(run: Any, place: Path, tmp_path: Path) -> None:
+    """Every channel of the gripper is an array, with its time stamps, and with unit and rate told beside it."""
+    path = tmp_path / "curves.npz"
+    assert run("store", "curves", "--gripper", "two_finger", "-o", path).out == f"{path}: 12 channels\n"
+    with np.load(path) as found:
+        told = [json.loads(text) for text in found["channels"].tolist()]
+        wanted = [channel for number in range(4) for channel in squeeze(number).series[0].channels]
+        assert [(one["quantity"], one["unit"], one["rate_hz"]) for one in told] == [
+            (channel.quantity, channel.unit, channel.rate_hz) for channel in wanted
+        ]
+        for one, channel in zip(told, wanted, strict=True):
+            assert np.array_equal(found[one["array"]], channel.values)
+            assert ("time_s" in one) == (channel.time_s is not None)
+            if channel.time_s is not None:
+                assert np.array_equal(found[one["time_s"]], channel.time_s)
+
+
+def test_curves_are_written_as_a_table(run: Any, place: Path, tmp_path: Path) -> None:
+    """Every channel of the gripper is a row; another action or gripper has none."""
+    path = tmp_path / "curves.parquet"
+    run("store", "curves", "--gripper", "another", "-o", path, "--action", "squeezing")
+    rows = pq.read_table(path).to_pylist()
+    for row, channel in zip(rows, squeeze(6).series[0].channels, strict=True):
+        assert (row["channel"], row["unit"], row["shape"]) == (channel.name, channel.unit, list(channel.values.shape))
+        assert np.array_equal(np.reshape(row["values"], row["shape"]), channel.values)
+    assert run("store", "curves", "--gripper", "third", "-o", path).out == f"{path}: 0 channels\n"
+    assert pq.read_table(path).num_rows == 0
+    assert "has no ending of a file of curves" in run("store", "curves", "--gripper", "x", "-o", "x.csv").refused
+
+
+def test_devices_are_listed_with_their_calibration(run: Any, place: Path) -> None:
+    """Each device and calibration has a row with its date."""
+    told = " ".join(run("store", "devices").out.split())
+    assert 'gripper another 2024-05-01 {"offset_N": 0.5} 1' in told
+    (found,) = json.loads(run("store", "devices", "two_finger", "--json").out)
+    assert (found["recordings"], found["calibrated_on"]) == (5, None)
+
+
+def test_recordings_are_found_by_what_is_known(run: Any, place: Path) -> None:
+    """Ground truth of an object finds its recordings."""
+    with open_store(place) as store:
+        truth = (Distribution("kind", {"mug": 1.0}), Value("mass", 1.0, unit="g"))
+        store.put(squeeze(9, entries=truth, ground_truth=True))
+    rows = json.loads(run("store", "list", "--known", "kind=mug", "--json").out)["recordings"]
+    assert {row["thing"] for row in rows} == {"object0"}
+    assert len(rows) == 4

@@ -1,0 +1,132 @@
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from palpate.cli.knowing import entry_of
+from palpate.errors import PalpateError
+from palpate.store.entries import Bound, Distribution, Entry, Interval, Value
+from palpate.store.opening import open_store
+from palpate.store.records import ThingRef
+from tests.store.made_up import squeeze
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A store with a mug and a cup, which the commands find by the environment."""
+    path = tmp_path / "store.sqlite"
+    monkeypatch.setenv("PALPATE_STORE", str(path))
+    monkeypatch.delenv("PALPATE_BLOBS", raising=False)
+    with open_store(path) as store:
+        store.put_many(squeeze(number, thing=ThingRef("ycb", name)) for number, name in enumerate(("mug", "cup")))
+    return path
+
+
+def test_an_object_is_described_and_shown(run: Any, place: Path, tmp_path: Path) -> None:
+    """What was set, what is known and from where, what was measured and who changed what are shown together."""
+    (tmp_path / "front.png").write_bytes(b"a picture")
+    words = ("--common-name", "coffee mug", "--maker", "somebody", "--alias", "beaker", "--attribute", "age=3")
+    assert run("store", "object", "set", "mug", *words, "--image", tmp_path / "front.png", "--who", "ann").code == 0
+    told = run("store", "object", "know", "beaker", "mass", "118 g", "--sd", 2, "--source", "our scale").out
+    assert told == "ycb/mug: mass 118 ± 2.00 g (our scale)\n"
+    run("store", "object", "know", "mug", "material", "ceramic", "--source", "data sheet")
+    shown = " ".join(run("store", "object", "show", "coffee mug").out.split())
+    for text in (
+        "called: coffee mug",
+        "age: 3",
+        "images: front.png",
+        "mass 118 ± 2.00 g our scale",
+        "elasticity gripper two_finger 1 40.0 kPa",
+        "maker: nothing -> somebody",
+        "ann",
+    ):
+        assert text in shown
+    plain = json.loads(run("store", "object", "show", "mug", "--json", "--images", tmp_path / "saved").out)
+    assert plain["attributes"] == {"age": 3}
+    assert [one["source"] for one in plain["known"]] == ["our scale", "data sheet"]
+    assert [one["what"] for one in plain["history"]] == ["changed"] * 3
+    assert (tmp_path / "saved" / "front.png").read_bytes() == b"a picture"
+    listed = json.loads(run("store", "objects", "--json").out)
+    assert [(one["id"], len(one["known"])) for one in listed] == [("cup", 0), ("mug", 2)]
+    assert "coffee mug" in run("store", "objects").out
+
+
+def test_changes_are_taken_back(run: Any, place: Path) -> None:
+    """Undoing takes back what is known, a merge, and in the end has nothing left."""
+    run("store", "object", "know", "mug", "mass", "118 g", "--source", "scale")
+    assert run("store", "object", "merge", "mug", "cup").out == "ycb/mug counts as ycb/cup\n"
+    assert json.loads(run("store", "object", "show", "cup", "--json").out)["merged"] == [["ycb", "mug"]]
+    assert "taken back" in run("store", "object", "undo", "ycb/mug").out
+    run("store", "object", "merge", "mug", "cup")
+    assert run("store", "object", "split", "mug", "--who", "bob").out == "ycb/mug is an object of its own\n"
+    run("store", "object", "undo", "mug")
+    assert "has no change to take back" in run("store", "object", "undo", "mug").refused
+    assert "taken back by bob" in " ".join(run("store", "object", "show", "mug").out.split())
+
+
+def test_parts_are_removed_and_forgotten(run: Any, place: Path) -> None:
+    """Aliases, attributes and known properties go again; what is not there is named."""
+    run("store", "object", "set", "mug", "--alias", "beaker", "--attribute", "colour=red", "--maker", "x")
+    told = run("store", "object", "set", "mug", "--remove", "alias:beaker", "--remove", "attribute:colour").out
+    assert told == "ycb/mug: changed\n"
+    run("store", "object", "set", "mug", "--remove", "maker")
+    plain = json.loads(run("store", "object", "show", "mug", "--json").out)
+    assert (plain["aliases"], plain["attributes"], plain["maker"]) == ([], {}, None)
+    assert "ycb/mug has no alias 'beaker'" in run("store", "object", "set", "mug", "--remove", "alias:beaker").refused
+    assert "--remove: 'size' was found" in run("store", "object", "set", "mug", "--remove", "size").refused
+    run("store", "object", "know", "mug", "mass", "118 g", "--source", "scale")
+    assert run("store", "object", "forget", "mug", "mass").out == "ycb/mug: 1 item forgotten\n"
+    assert "nothing is known of 'mass'" in run("store", "object", "forget", "mug", "mass").refused
+    assert run("store", "object", "set", "mug").out == "ycb/mug: nothing to change\n"
+
+
+def test_objects_can_be_added_before_they_are_measured(run: Any, place: Path) -> None:
+    """An object is added once, and found from then on."""
+    assert run("store", "object", "add", "our lab/sponge").out == "our lab/sponge: added\n"
+    assert run("store", "object", "add", "our lab/sponge").out == "our lab/sponge: is there already\n"
+    assert json.loads(run("store", "object", "show", "sponge", "--json").out)["recordings"] == 0
+    assert "expected DATASET/NAME" in run("store", "object", "add", "sponge").refused
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("show", "mgu"), "object 'mgu': is not in the store (did you mean 'mug'?)"),
+        (("set", "mug", "--attribute", "red"), "--attribute: 'red' was found, expected NAME=VALUE"),
+        (("set", "mug", "--image", "nowhere.png"), "--image: there is no file 'nowhere.png'"),
+        (("know", "mug", "mass", "118 nonsense", "--source", "x"), "unknown unit 'nonsense'"),
+        (("know", "mug", "mass", "heavy=much", "--source", "x"), "VALUE: 'heavy=much' was found"),
+        (("know", "mug", "material", "wood", "--sd", "1", "--source", "x"), "--sd: 'wood' is no number"),
+        (("know", "mug", "kind", "a=0.5", "--source", "x"), "probabilities: sum to 0.5, expected 1"),
+        (("merge", "mug", "mug"), "is the same object"),
+        (("split", "mug"), "is not merged"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(run: Any, place: Path, arguments: tuple[str, ...], message: str) -> None:
+    """One sentence, and nothing is changed."""
+    assert message in run("store", "object", *arguments).refused
+    assert json.loads(run("store", "object", "show", "mug", "--json").out)["history"] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "entry"),
+    [
+        ("118", Value("p", 118.0)),
+        ("-1.5e3 kg/m^3", Value("p", -1500.0, unit="kg/m^3")),
+        ("90 to 100 kPa", Interval("p", 90.0, 100.0, "kPa")),
+        ("below 5 kPa", Bound("p", below=5.0, unit="kPa")),
+        ("hard plastic", Distribution("p", {"hard plastic": 1.0})),
+        ("a=0.25, b=0.75", Distribution("p", {"a": 0.25, "b": 0.75})),
+    ],
+)
+def test_values_are_read_as_they_are_written(text: str, entry: Entry) -> None:
+    """Numbers, intervals, bounds, labels and distributions can be told in words."""
+    assert entry_of("p", text) == entry
+
+
+@pytest.mark.parametrize("text", [" ", "nan g", "-inf"])
+def test_no_value_is_refused(text: str) -> None:
+    """An empty value, and a number that is none, is an error that shows what could be said."""
+    with pytest.raises(PalpateError, match="choose from '118 g'"):
+        entry_of("p", text)

@@ -1,0 +1,117 @@
+from pathlib import Path
+
+import pytest
+
+from palpate.store.archive import export_archive
+from palpate.store.audit import history
+from palpate.store.describing import add_thing, change_thing, fields_of, keep_image
+from palpate.store.entries import Distribution, Value
+from palpate.store.importing.intake import import_paths
+from palpate.store.importing.items import Fate, Outcome
+from palpate.store.importing.own_formats import Archives
+from palpate.store.keeping_episodes import get_episode, put_episode
+from palpate.store.merging import merge_things
+from palpate.store.opening import open_store
+from palpate.store.records import ThingRef
+from palpate.store.store import Store
+from palpate.store.things import find_thing, list_things
+from palpate.store.verifying import verify
+from tests.store.made_up import made_episode, squeeze
+
+MUG, CUP, BOX = (ThingRef("made_up", name) for name in ("mug", "cup", "box"))
+RECORDINGS = [squeeze(number, thing=thing) for number, thing in enumerate((MUG, CUP))]
+
+
+def taken(store: Store, archive: Path, fate: Fate) -> list[Outcome]:
+    """What became so of an archive that is imported."""
+    return [outcome for outcome in import_paths(store, [archive], [Archives()]) if outcome.fate is fate]
+
+
+@pytest.fixture
+def archive(store: Store, tmp_path: Path) -> Path:
+    """Of a store with a merged object, one that was never measured, known properties, an image and episodes."""
+    store.put_many(RECORDINGS)
+    image = keep_image(store, "front.png", "image/png", b"a picture")
+    wood = Distribution("material", {"wood": 0.9, "metal": 0.1})
+    change_thing(store, MUG, lambda thing: thing.knowing(Value("mass", 118.0, 1.0, "g"), "scale").showing(image))
+    change_thing(store, MUG, lambda thing: thing.knowing(wood, "ann").described(attributes={"colour": "red"}))
+    add_thing(store, BOX)
+    merge_things(store, CUP, MUG)
+    for number in range(3):
+        put_episode(store, made_episode(*RECORDINGS[:number], number=number, stop="enough", visibility="lab"))
+    put_episode(store, made_episode(number=7))
+    export_archive(store, tmp_path / "archive")
+    return tmp_path / "archive"
+
+
+def test_objects_and_episodes_survive_an_archive(store: Store, archive: Path, tmp_path: Path) -> None:
+    """Descriptions, known properties, images, merges and episodes come back; a second import adds nothing."""
+    with open_store(tmp_path / "other.sqlite", durable=False) as other:
+        first = list(import_paths(other, [archive], [Archives()]))
+        second = list(import_paths(other, [archive], [Archives()]))
+        assert [outcome.fate for outcome in first] == [Fate.NEW] * 6
+        assert [outcome.fate for outcome in second] == [Fate.KNOWN] * 6
+        assert sum(": episode " in outcome.source for outcome in first) == 4
+        assert list_things(other) == list_things(store)
+        assert other.blobs.get(find_thing(other, "mug").images[0].sha256) == b"a picture"
+        for number in range(3):
+            episode = made_episode(*RECORDINGS[:number], number=number, stop="enough")
+            assert get_episode(other, episode.digest).visibility == "lab"
+        assert list(verify(other)) == []
+
+
+def test_what_a_store_says_already_stays(store: Store, archive: Path, tmp_path: Path) -> None:
+    """An archive completes an object, and neither changes nor removes what is there; the audit says so."""
+    with open_store(tmp_path / "other.sqlite", durable=False) as other:
+        other.put(squeeze(9, thing=MUG))
+        heavier = Value("mass", 120.0, unit="g")
+        change_thing(other, MUG, lambda thing: thing.described(attributes={"colour": "blue", "age": 3}))
+        change_thing(other, MUG, lambda thing: thing.knowing(heavier, "scale"))
+        assert len(taken(other, archive, Fate.NEW)) == 6
+        found = find_thing(other, "mug")
+        assert found.ref.attributes == {"colour": "blue", "age": 3}
+        assert {one.source: one.entry for one in found.known}["scale"] == heavier
+        assert ("known", "material", "ann") in fields_of(found)
+        assert history(other, MUG)[-1].who == "archive archive"
+
+
+def test_what_does_not_fit_is_told(store: Store, archive: Path, tmp_path: Path) -> None:
+    """A merge into another object than here, and a unit of another dimension, are told and not taken over."""
+    with open_store(tmp_path / "other.sqlite", durable=False) as other:
+        other.put(squeeze(9, thing=BOX, entries=(Value("mass", 1.0, unit="N"),)))
+        add_thing(other, CUP)
+        merge_things(other, CUP, BOX)
+        refused = [outcome.reason or "" for outcome in taken(other, archive, Fate.REFUSED)]
+        assert [reason.partition(": ")[0] for reason in refused] == [
+            "object made_up/mug",
+            "object made_up/cup",
+        ]
+        assert find_thing(other, "cup").merged_into == BOX
+        assert list(verify(other)) == []
+
+
+@pytest.mark.parametrize("name", ["objects.parquet", "episodes.parquet"])
+def test_changed_tables_are_refused(archive: Path, local: Store, name: str) -> None:
+    """A file that is not the one that was written, or that the manifest does not know, is named."""
+    path = archive / name
+    path.write_bytes(path.read_bytes() + b"x")
+    (damaged,) = taken(local, archive, Fate.REFUSED)
+    assert f"{name}: is missing or not the file" in (damaged.reason or "")
+    manifest = archive / "manifest.json"
+    text = manifest.read_text(encoding="utf-8")
+    manifest.write_text(text.replace(f'"{name}"', '"other.parquet"'), encoding="utf-8")
+    (unknown,) = taken(local, archive, Fate.REFUSED)
+    assert f"{name}: is not among the files of manifest.json" in (unknown.reason or "")
+    assert not list_things(local)
+
+
+def test_archives_without_objects_and_episodes_are_taken(archive: Path, tmp_path: Path) -> None:
+    """An archive that was written before there were such tables gives its recordings."""
+    manifest = archive / "manifest.json"
+    text = manifest.read_text(encoding="utf-8")
+    for name in ("objects.parquet", "episodes.parquet"):
+        (archive / name).unlink()
+        text = text.replace(f'"{name}"', f'"not {name}"')
+    manifest.write_text(text, encoding="utf-8")
+    with open_store(tmp_path / "other.sqlite", durable=False) as other:
+        assert len(taken(other, archive, Fate.NEW)) == 2
