@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-__all__ = ["EvidenceError", "ImpossibleEvidenceError", "LogError", "NetworkError", "PalpateError", "choices", "near"]
+__all__ = [
+    "EvidenceError",
+    "ImpossibleEvidenceError",
+    "LogError",
+    "NetworkError",
+    "PalpateError",
+    "choices",
+    "near",
+    "plural",
+]
 
 
 class PalpateError(Exception):
@@ -57,3 +66,14 @@ def near(found: object, names: Iterable[str]) -> str:
     valid = {name.casefold(): name for name in names if name.casefold()[:1] == wrong[:1]}
     close = get_close_matches(wrong, valid, 1)
     return f" (did you mean {valid[close[0]]!r}?)" if close else ""
+
+
+def plural(count: int, noun: str) -> str:
+    """Return a count and its noun.
+
+    Examples
+    --------
+    >>> plural(1, "step"), plural(3, "step")
+    ('1 step', '3 steps')
+    """
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

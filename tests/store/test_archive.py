@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from palpate.store.archive import export_archive
 from palpate.store.content import file_digest
 from palpate.store.errors import DamagedError, StoreError
+from palpate.store.filters import Filter
 from palpate.store.importing.intake import import_paths
 from palpate.store.importing.items import Fate
 from palpate.store.importing.own_formats import Archives
@@ -54,6 +55,16 @@ def test_any_recordings_survive_an_archive(local: Store, tmp_path: Path, made: l
     export_archive(local, tmp_path / "archive")
     found = {recording.digest for recording in read_archive(tmp_path / "archive")}
     assert {recording.digest for recording in made} <= found
+
+
+def test_a_selection_is_exported(store: Store, tmp_path: Path) -> None:
+    """Only the recordings that match are in the archive, whole, with their files, and progress is told of them."""
+    store.put_many(MADE)
+    told: list[tuple[int, int]] = []
+    count = export_archive(store, tmp_path / "archive", Filter(thing="object2"), lambda *each: told.append(each))
+    assert count == 1
+    assert told == [(1, 1)]
+    assert [recording.digest for recording in read_archive(tmp_path / "archive")] == [MADE[1].digest]
 
 
 def test_an_existing_folder_is_not_written_to(local: Store, tmp_path: Path) -> None:

@@ -22,6 +22,7 @@ MADE = [
         setup=OTHER if number % 2 else squeeze().setup,
         owner=[None, "ann", "bob"][number % 3],
         ground_truth=number % 4 == 0,
+        visibility="public" if number % 7 == 1 else "lab",
         notices=("100% Odd_",) if number % 5 == 0 else (),
         recorded_at=START + timedelta(seconds=number // 2),
         entries=[
@@ -45,6 +46,7 @@ FILTERS: dict[str, tuple[Filter, Truth]] = {
     "thing": (Filter(thing="object1"), lambda r: r.thing.id == "object1"),
     "dataset": (Filter(dataset="elsewhere"), lambda r: False),
     "action": (Filter(action="weighing"), lambda r: r.action == "weighing"),
+    "visibility": (Filter(visibility="public"), lambda r: r.visibility == "public"),
     "owner": (Filter(owner="ann"), lambda r: r.owner == "ann"),
     "property": (Filter(property="mass"), lambda r: any(e.property == "mass" for e in r.entries)),
     "label": (Filter(labels={"material": "wood"}), lambda r: labelled(r, "material", "wood")),

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from palpate.cli import store_episodes, store_list, store_objects
+from palpate.cli.export import export
 from palpate.cli.store_options import BlobsOption, StoreOption
 
 __all__ = ["app"]
@@ -73,20 +74,7 @@ def repair(place: StoreOption = None, blobs: BlobsOption = None) -> None:
     raise typer.Exit(1 if any(fault.remedy is None for fault in faults) else 0)
 
 
-@app.command("export")
-def export(
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder to make.")],
-    place: StoreOption = None,
-    blobs: BlobsOption = None,
-) -> None:
-    """Write all recordings as an archive: Parquet, blobs, and a manifest with digests."""
-    from palpate.cli.storing import opened
-    from palpate.figures.wording import plural
-    from palpate.store.archive import export_archive
-
-    with opened(place, blobs) as found:
-        count = export_archive(found, folder)
-    print(f"{folder}: {plural(count, 'recording')}")
+app.command("export")(export)
 
 
 @app.command("import")

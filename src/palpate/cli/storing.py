@@ -27,7 +27,7 @@ __all__ = [
 ]
 
 
-NEEDED = ("alembic", "pyarrow", "sqlalchemy", "zstandard")
+NEEDED = ("alembic", "pyarrow", "sqlalchemy", "yaml", "zstandard")
 
 
 def check_installed() -> None:

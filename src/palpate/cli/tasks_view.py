@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from palpate.cli.terminal import console
+from palpate.cli.progress_view import bar
 from palpate.experiments.running import Task, run_tasks
 from palpate.experiments.workers import executor
 
@@ -31,21 +30,8 @@ def run_shown(
         What stands before the bar.
     """
     try:
-        with executor(workers, scheduler) as found, _bar(doing) as told:
+        with executor(workers, scheduler) as found, bar(doing) as told:
             run_tasks(tasks, folder, found, told, settings=settings, resume=resume)
     except KeyboardInterrupt:
         print(f"What is done is kept in {folder}: the same command with --resume goes on from there.")
         raise
-
-
-@contextmanager
-def _bar(doing: str) -> Iterator[Callable[[int, int], None]]:
-    """A bar with the time left."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    screen = console()
-    # where it is no terminal, a bar that vanishes would leave an empty line
-    with Progress(*columns, console=screen, transient=True, disable=not screen.is_terminal) as progress:
-        bar = progress.add_task(doing, total=None)
-        yield lambda done, of: progress.update(bar, completed=done, total=of)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from palpate.errors import plural
 from palpate.outcomes import Above, Below, Failed, Label, Likelihood, Outcome, Posterior, Reading
 
 __all__ = ["number", "outcome_words", "plural"]
@@ -26,17 +27,6 @@ def number(value: float | None, digits: int = 3) -> str:
     if -5 <= exponent < 7:
         return f"{value:.{max(0, digits - 1 - exponent)}f}"
     return f"{value:.{digits}g}"
-
-
-def plural(count: int, noun: str) -> str:
-    """Write a count and its noun.
-
-    Examples
-    --------
-    >>> plural(1, "step"), plural(3, "step")
-    ('1 step', '3 steps')
-    """
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
 def outcome_words(outcome: Outcome, unit: str = "") -> str:

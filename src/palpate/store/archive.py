@@ -14,8 +14,7 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,17 +23,16 @@ from palpate.store.archive_rows import entries_schema, entry_row, recording_row,
 from palpate.store.archive_things import OBJECTS, write_things
 from palpate.store.blobs import FolderBlobs
 from palpate.store.content import file_digest, to_json
-from palpate.store.decoding import recording_from
-from palpate.store.errors import StoreError
-from palpate.store.fetching import fetch, id_chunks
-from palpate.store.schema import recordings
+from palpate.store.exporting.selection import Selection
+from palpate.store.exporting.writing import Told, Written, export
+from palpate.store.filters import Filter
 from palpate.store.store import Store
 
 if TYPE_CHECKING:
     import pyarrow
     from pyarrow.parquet import ParquetWriter
 
-__all__ = ["MANIFEST", "MORE_TABLES", "NAME", "RECORDINGS", "TABLES", "VERSION", "export_archive"]
+__all__ = ["MANIFEST", "MORE_TABLES", "NAME", "RECORDINGS", "TABLES", "VERSION", "Archive", "export_archive"]
 
 NAME = "palpate archive"
 VERSION = 1
@@ -42,12 +40,11 @@ MANIFEST, RECORDINGS = "manifest.json", "recordings.parquet"
 TABLES = ("entries.parquet", RECORDINGS)
 MORE_TABLES = (EPISODES, OBJECTS)
 """Tables that archives of older versions of the package do not have."""
-AT_ONCE = 200
-"""Recordings that are written, and read again, together."""
+PARTS = "what is known of objects, and episodes, are only in archives of all recordings"
 
 
-def export_archive(store: Store, folder: Path) -> int:
-    """Write all recordings of a store as an archive, with its objects and episodes.
+def export_archive(store: Store, folder: Path, wanted: Filter | None = None, told: Told = lambda done, of: None) -> int:
+    """Write recordings of a store as an archive; where they are all, with its objects and episodes.
 
     The archive appears whole or not at all: it is written beside and renamed.
 
@@ -57,6 +54,10 @@ def export_archive(store: Store, folder: Path) -> int:
         What to export.
     folder
         Must not exist yet.
+    wanted
+        Which recordings; all, unless given.
+    told
+        Is told how far it is.
 
     Returns
     -------
@@ -70,39 +71,41 @@ def export_archive(store: Store, folder: Path) -> int:
     DamagedError
         If a recording is not what was put into the store.
     """
-    if folder.exists():
-        raise StoreError(f"{folder}: exists already, expected the name of a new folder")
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    draft = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
-    try:
-        count = _write(store, draft)
-        draft.chmod(0o755)
-        draft.rename(folder)
-    finally:
-        shutil.rmtree(draft, ignore_errors=True)
-    return count
+    return export(store, Archive(), folder, wanted, told).recordings
 
 
-def _write(store: Store, folder: Path) -> int:
+@dataclass(frozen=True)
+class Archive:
+    """The project's own archive, as a format of an export: what it holds can be imported whole."""
+
+    def write(self, selection: Selection, folder: Path, told: Told) -> Written:
+        """Write recordings, results, blobs and the manifest."""
+        left = () if selection.is_all else (PARTS,)
+        return Written(_write(selection, folder, told), left)
+
+
+def _write(selection: Selection, folder: Path, told: Told) -> int:
     from pyarrow.parquet import ParquetWriter
 
-    kept, count = FolderBlobs(folder / "blobs"), 0
+    kept, count, of = FolderBlobs(folder / "blobs"), 0, selection.count()
     with (
-        store.engine.connect() as connection,
         ParquetWriter(folder / RECORDINGS, recordings_schema(), compression="zstd") as heads,
         ParquetWriter(folder / "entries.parquet", entries_schema(), compression="zstd") as entries,
     ):
-        for ids in id_chunks(connection, AT_ONCE):
-            batch = [recording_from(stored) for stored in fetch(connection, store.blobs, recordings.c.id.in_(ids))]
+        for batch in selection.batches():
             _write_rows(heads, recordings_schema(), [recording_row(recording) for recording in batch])
             rows = [entry_row(recording, entry) for recording in batch for entry in recording.entries]
             _write_rows(entries, entries_schema(), rows)
             for item in (item for recording in batch for item in recording.files):
                 kept.put(item.sha256, item.data)
             count += len(batch)
-        write_things(connection, store.blobs, folder, kept)
-        write_episodes(connection, folder)
-    digests = {name: file_digest(folder / name) for name in (*TABLES, *MORE_TABLES)}
+            told(count, of)
+    more = MORE_TABLES if selection.is_all else ()
+    if more:
+        with selection.store.engine.connect() as connection:
+            write_things(connection, selection.store.blobs, folder, kept)
+            write_episodes(connection, folder)
+    digests = {name: file_digest(folder / name) for name in (*TABLES, *more)}
     manifest = {"format": NAME, "version": VERSION, "recordings": count, "sha256": digests}
     (folder / MANIFEST).write_text(to_json(manifest) + "\n", encoding="utf-8")
     return count

@@ -49,6 +49,8 @@ class Filter:
         Whether the results are known to be true.
     text
         A part of names, notices or owner, in any case.
+    visibility
+        Who may see it: private, lab or public.
     """
 
     thing: str | None = None
@@ -65,11 +67,12 @@ class Filter:
     until: datetime | None = None
     ground_truth: bool | None = None
     text: str | None = None
+    visibility: str | None = None
 
     def conditions(self) -> Iterator[ColumnElement[bool]]:
         """All but property and labels, on `schema.recordings`."""
         columns = schema.recordings.c
-        for name in ("action", "owner", "gripper", "ground_truth"):
+        for name in ("action", "owner", "gripper", "ground_truth", "visibility"):
             if getattr(self, name) is not None:
                 yield columns[name] == getattr(self, name)
         if self.thing is not None or self.dataset is not None:

@@ -1,0 +1,1 @@
+"""Exports: measurements as tables and data sets that other programs and other people read."""
