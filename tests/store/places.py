@@ -5,6 +5,7 @@ import uuid
 from pathlib import Path
 from urllib.request import Request, urlopen
 
+import obstore
 import pytest
 
 from palpate.store.blobs import Blobs, FolderBlobs
@@ -58,3 +59,14 @@ def emptied() -> str:
         connection.exec_driver_sql("CREATE SCHEMA public")
     engine.dispose()
     return POSTGRESQL
+
+
+def damage(blobs: Blobs, digest: str, data: bytes | None) -> None:
+    """Write other bytes in place of a blob, or remove it, past all that guards it."""
+    if isinstance(blobs, FolderBlobs):
+        path = blobs.folder / digest[:2] / digest[2:]
+        path.unlink() if data is None else path.write_bytes(data)
+        return
+    assert isinstance(blobs, BucketBlobs)
+    key = f"{digest[:2]}/{digest[2:]}"
+    obstore.delete(blobs._store, key) if data is None else obstore.put(blobs._store, key, data)

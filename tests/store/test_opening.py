@@ -1,11 +1,19 @@
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from sqlalchemy import Connection
 
 from palpate.store.blobs import FolderBlobs
+from palpate.store.database import connect
 from palpate.store.errors import StoreError
+from palpate.store.filters import Filter
+from palpate.store.listing import list_recordings
 from palpate.store.opening import open_store
+from palpate.store.records import ThingRef
+from palpate.store.verifying import verify
 from tests.store.made_up import squeeze
+from tests.store.places import check_services, emptied
 
 
 def test_a_store_is_made_on_first_use_and_stays(tmp_path: Path) -> None:
@@ -45,3 +53,53 @@ def test_places_that_cannot_be_used_are_refused(tmp_path: Path, monkeypatch: pyt
         open_store("postgresql+psycopg://lab@127.0.0.1:1/nowhere")
     with pytest.raises(StoreError, match="not a database"):
         open_store(plain)
+
+
+@pytest.fixture
+def server() -> Iterator[Connection]:
+    """A connection by which databases and users can be made; what is made here is removed."""
+    check_services("postgresql")
+    engine = connect(emptied()).execution_options(isolation_level="AUTOCOMMIT")
+    gone = ("DROP DATABASE IF EXISTS palpate_odd WITH (FORCE)", "DROP ROLE IF EXISTS palpate_guest")
+    with engine.connect() as connection:
+        for statement in gone:
+            connection.exec_driver_sql(statement)
+        yield connection
+        for statement in gone:
+            connection.exec_driver_sql(statement)
+    engine.dispose()
+
+
+@pytest.mark.parametrize("encoding", ["SQL_ASCII", "UTF8"])
+def test_text_is_text_whatever_the_encoding_of_the_database(server: Connection, tmp_path: Path, encoding: str) -> None:
+    """A PostgreSQL database that was made without an encoding gives back what was put, and finds it."""
+    server.exec_driver_sql(
+        f"CREATE DATABASE palpate_odd ENCODING '{encoding}' LC_COLLATE 'C' LC_CTYPE 'C' TEMPLATE template0"
+    )
+    place = server.engine.url.set(database="palpate_odd").render_as_string(hide_password=False)
+    recording = squeeze(action="drücken 押", thing=ThingRef("made_up", "Häferl"), log="ß")
+    with open_store(place, tmp_path) as store:
+        store.put(recording)
+        assert store.get(recording.id) == recording
+        assert len(list_recordings(store, Filter(action="drücken 押", text="häferl")).rows) == 1
+        assert list(verify(store)) == []
+
+
+def test_what_a_user_may_not_do_is_an_error_in_one_sentence(server: Connection, tmp_path: Path) -> None:
+    """A user without rights is told so when tables are to be made; one who may read reads, and cannot put."""
+    server.exec_driver_sql("CREATE ROLE palpate_guest LOGIN PASSWORD 'secret'")
+    server.exec_driver_sql("GRANT USAGE ON SCHEMA public TO palpate_guest")
+    place = server.engine.url.set(username="palpate_guest", password="secret").render_as_string(hide_password=False)
+    with pytest.raises(StoreError, match="permission denied for schema public; expected a database") as told:
+        open_store(place, tmp_path)
+    assert "\n" not in str(told.value)
+    assert "secret" not in str(told.value)
+    with open_store(server.engine.url.render_as_string(hide_password=False), tmp_path) as owned:
+        receipt = owned.put(squeeze())
+    server.exec_driver_sql("GRANT SELECT ON ALL TABLES IN SCHEMA public TO palpate_guest")
+    with open_store(place, tmp_path) as store:
+        assert store.get(receipt.id).digest == receipt.digest
+        with pytest.raises(StoreError, match="permission denied"):
+            store.put(squeeze(1))
+        assert len(list_recordings(store).rows) == 1
+    server.exec_driver_sql("DROP OWNED BY palpate_guest")

@@ -2,6 +2,8 @@
 
 import multiprocessing
 import sqlite3
+import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -13,10 +15,11 @@ from palpate.store.records import Receipt
 from palpate.store.store import Store
 from palpate.store.verifying import verify
 from tests.store.made_up import squeeze
+from tests.store.places import check_services, emptied
 
 
-def put_both(path: Path, first: int) -> list[Receipt]:
-    with open_store(path) as store:
+def put_both(place: str, blobs: Path, first: int) -> list[Receipt]:
+    with open_store(place, blobs) as store:
         return [store.put(squeeze(number)) for number in range(first, first + 15)]
 
 
@@ -30,16 +33,32 @@ def test_threads_write_at_once(store: Store) -> None:
     assert list(verify(store)) == []
 
 
-def test_processes_write_at_once(tmp_path: Path) -> None:
+@pytest.mark.parametrize("kind", ["sqlite", "postgresql"])
+def test_processes_write_at_once(kind: str, tmp_path: Path) -> None:
     """Two processes that put overlapping recordings into a store that neither has made before."""
-    path = tmp_path / "store.sqlite"
+    check_services(kind)
+    place = emptied() if kind == "postgresql" else str(tmp_path / "store.sqlite")
+    blobs = tmp_path / "blobs"
     with multiprocessing.get_context("spawn").Pool(2) as pool:
-        both = pool.starmap(put_both, [(path, 0), (path, 10)])
+        both = pool.starmap(put_both, [(place, blobs, 0), (place, blobs, 10)])
     receipts = [receipt for batch in both for receipt in batch]
     assert sum(receipt.new for receipt in receipts) == 25
-    with open_store(path) as store:
+    with open_store(place, blobs) as store:
         assert list(verify(store)) == []
         assert all(store.get(receipt.id).digest == receipt.digest for receipt in receipts)
+
+
+def test_a_lock_that_ends_is_waited_for(local: Store) -> None:
+    """While another program holds the file for a moment, putting waits."""
+    other = sqlite3.connect(str(local.engine.url.database), isolation_level=None, check_same_thread=False)
+    other.execute("BEGIN IMMEDIATE")
+    release = threading.Timer(0.4, other.execute, ["ROLLBACK"])
+    begun = time.monotonic()
+    release.start()
+    assert local.put(squeeze()).new
+    assert time.monotonic() - begun > 0.35
+    release.join()
+    other.close()
 
 
 def test_a_locked_store_is_an_error_in_one_sentence(local: Store, monkeypatch: pytest.MonkeyPatch) -> None:

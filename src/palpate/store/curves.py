@@ -45,8 +45,11 @@ def curves_of_gripper(store: Store, gripper: str, *, action: str | None = None) 
     )
     if action is not None:
         asked = asked.where(recordings.action == action)
-    with store.engine.connect() as connection:
-        found = connection.execution_options(yield_per=AT_ONCE).execute(asked)
+    with (
+        store.engine.connect() as connection,
+        # closed also where one does not read to the end, as PostgreSQL holds the rest
+        connection.execution_options(yield_per=AT_ONCE).execute(asked) as found,
+    ):
         for part in found.partitions():
             for uuid, name, layout, data, blob in part:
                 packed = from_row_or_blob(data, blob, store.blobs) or b""

@@ -50,7 +50,8 @@ def connect(url: str, *, durable: bool = True) -> Engine:
             f"store {url!r}: is no address, expected a path, sqlite:///... or postgresql+psycopg://..."
         ) from None
     if address.get_backend_name() == "postgresql":
-        engine = create_engine(address, pool_pre_ping=True)
+        # whatever the encoding of the database, what is sent and read is text
+        engine = create_engine(address, pool_pre_ping=True, connect_args={"client_encoding": "utf8"})
         tell_outages(engine)
         return engine
     if address.get_backend_name() != "sqlite":
@@ -126,7 +127,9 @@ def up_to_date(engine: Engine) -> None:
                 return
         migrate(engine, "head")
     except DatabaseError as error:
-        raise StoreError(f"store {engine.url!r}: {error.orig}; expected a database that can be written") from None
+        # PostgreSQL tells on further lines where in a statement
+        said = str(error.orig).partition("\n")[0]
+        raise StoreError(f"store {engine.url!r}: {said}; expected a database that can be written") from None
 
 
 def migrate(engine: Engine, target: str) -> None:
