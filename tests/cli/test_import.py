@@ -80,7 +80,13 @@ def test_the_example_is_shown(run: Any) -> None:
     """The example shows the object, its setup, five measurements and what was odd about them."""
     assert run("store", "import", "--example").out == "5 new, 0 there already, 0 refused, 0 skipped\n"
     shown = " ".join(run("store", "show").out.split())
-    for text in ("5 recordings of 1 object", "011_banana", "robotiq_2f85", "mass 68.3 g", "the mean of elasticity is nan"):
+    for text in (
+        "5 recordings of 1 object",
+        "011_banana",
+        "robotiq_2f85",
+        "mass 68.3 g",
+        "the mean of elasticity is nan",
+    ):
         assert text in shown
     assert "what was odd" in shown
     assert "holds grams and not a torque" in shown
