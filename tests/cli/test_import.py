@@ -1,4 +1,5 @@
 import json
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -135,6 +136,15 @@ def test_many_files_are_named_only_in_the_report() -> None:
     assert len(lines) == 52
     assert lines[50] == "skipped: 250 more files, named in a file by --report FILE"
     assert len(report.plain()["skipped"]) == 300
+
+
+def test_names_of_files_cannot_command_a_terminal(run: Any, tmp_path: Path) -> None:
+    """A name with a line break, an escape or bytes that are no text is one line of what can be printed."""
+    (tmp_path / "given").mkdir()
+    (tmp_path / "given" / os.fsdecode(b"a\n\x1b[2J\xff.txt")).write_text("")
+    done = run("store", "import", tmp_path / "given")
+    assert done.out.splitlines()[0] == f"skipped: {tmp_path}/given/a??[2J?.txt: of no format that palpate knows"
+    assert done.code == 0
 
 
 def test_a_bar_is_shown_in_a_terminal_only(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

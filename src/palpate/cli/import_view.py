@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -33,7 +34,15 @@ def bar(counted: Callable[[], int]) -> Iterator[Callable[[], None]]:
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     screen = error_console()
-    with Progress(*columns, console=screen, transient=True, disable=not screen.is_terminal) as progress:
+    progress = Progress(
+        *columns,
+        console=screen,
+        transient=True,
+        # what is printed in the same terminal goes above the bar, and what goes to a file goes there
+        redirect_stdout=sys.stdout.isatty(),
+        disable=not screen.is_terminal,
+    )
+    with progress:
         task = progress.add_task("Importing", total=None)
         if screen.is_terminal:
             progress.update(task, total=counted())
@@ -43,14 +52,14 @@ def bar(counted: Callable[[], int]) -> Iterator[Callable[[], None]]:
 def outcome_lines(outcome: Outcome) -> Iterator[str]:
     """The decisions on how a file was read."""
     for notice in () if outcome.recording is None else outcome.recording.notices:
-        yield f"{outcome.source}: {notice}"
+        yield _printable(f"{outcome.source}: {notice}")
 
 
 def report_lines(report: Report) -> Iterator[str]:
     """Each file that was refused or skipped, with the reason, and the counts."""
     for fate in (Fate.REFUSED, Fate.SKIPPED):
         left = [one for one in report.left if one.fate is fate]
-        yield from (f"{fate.value}: {one.source}: {one.reason}" for one in left[:SHOWN])
+        yield from (_printable(f"{fate.value}: {one.source}: {one.reason}") for one in left[:SHOWN])
         if len(left) > SHOWN:
             yield f"{fate.value}: {plural(len(left) - SHOWN, 'more file')}, named in a file by --report FILE"
     yield counts_line(report)
@@ -60,3 +69,8 @@ def counts_line(report: Report) -> str:
     """How many have met each fate."""
     words = {Fate.NEW: "new", Fate.KNOWN: "there already", Fate.REFUSED: "refused", Fate.SKIPPED: "skipped"}
     return ", ".join(f"{report.count(fate)} {word}" for fate, word in words.items())
+
+
+def _printable(text: str) -> str:
+    """One line, whatever files are called."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text)

@@ -1,4 +1,3 @@
-import os
 from pathlib import Path
 
 import pytest
@@ -8,6 +7,7 @@ from palpate.store.importing.finding import Found, count_items, find
 from palpate.store.importing.folder import write_folder
 from palpate.store.importing.formats import all_formats
 from palpate.store.importing.items import Fate, Item, Outcome
+from palpate.store.importing.own_formats import Archives
 from palpate.store.store import Store
 from tests.store.importing.test_uploads import labels, upload
 from tests.store.made_up import squeeze
@@ -69,10 +69,22 @@ def test_an_archive_that_cannot_be_read_is_refused(mixed: Path) -> None:
     assert count_items([archive], all_formats()) == 1
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")
-def test_a_folder_that_may_not_be_read_is_refused(tmp_path: Path) -> None:
+class Closed(Archives):
+    """A format that may not look at one of the paths."""
+
+    def owns(self, path: Path) -> bool:
+        if path.name == "closed":
+            raise PermissionError(13, "Permission denied", str(path / "manifest.json"))
+        return super().owns(path)
+
+
+def test_what_may_not_be_looked_at_is_refused(tmp_path: Path) -> None:
     """A folder without permission is told, and the others are entered."""
-    (tmp_path / "closed").mkdir(mode=0)
-    (outcome,) = find([tmp_path], all_formats())
-    assert isinstance(outcome, Outcome)
-    assert "cannot be read: Permission denied" in str(outcome.reason)
+    (tmp_path / "closed").mkdir()
+    (tmp_path / "notes.txt").write_text("hello")
+    closed, notes = find([tmp_path], [Closed()])
+    assert isinstance(closed, Outcome)
+    assert isinstance(notes, Outcome)
+    assert (closed.fate, closed.source) == (Fate.REFUSED, str(tmp_path / "closed"))
+    assert str(closed.reason).endswith("manifest.json cannot be read: Permission denied")
+    assert notes.fate is Fate.SKIPPED

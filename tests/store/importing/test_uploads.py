@@ -16,7 +16,9 @@ from palpate.store.errors import StoreError
 from palpate.store.importing.intake import import_paths
 from palpate.store.importing.items import Fate
 from palpate.store.importing.uploads import UploadDictionaries, read_upload
+from palpate.store.opening import open_store
 from palpate.store.store import Store
+from palpate.store.verifying import verify
 
 POSE = {"rotation": [1.0, 2.0, 3.0], "translation": [0.1, 0.2, 0.3]}
 GRIP = {"hand": {"position": [1.0, 2.0], "time": [0.0, 1.0]}}
@@ -142,7 +144,7 @@ def test_one_bad_file_spoils_no_other(local: Store, tmp_path: Path) -> None:
 
 
 junk = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    st.none() | st.booleans() | st.integers() | st.just(10**400) | st.floats() | st.text(max_size=5),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
     max_leaves=4,
 )
@@ -180,3 +182,26 @@ def test_junk_anywhere_is_refused_or_kept(place: tuple[str, ...], value: Any) ->
         file.write_text(json.dumps(content))
         with suppress(LogError, StoreError):
             check(read_upload(file))
+
+
+@given(st.lists(st.tuples(st.sampled_from(PLACES), junk), max_size=3), st.binary(max_size=20))
+@settings(max_examples=25)
+def test_mutated_files_leave_a_store_that_verifies(changes: list[tuple[tuple[str, ...], Any]], torn: bytes) -> None:
+    """Whatever was changed in one file, or stands in another, the good one is imported and the store verifies."""
+    with TemporaryDirectory() as name, open_store(Path(name) / "store.sqlite", durable=False) as store:
+        folder = Path(name) / "given"
+        folder.mkdir()
+        upload(folder, "mat-vision_0", labels("mat-vision", plastic=1.0), {})
+        (folder / ODD_NAME.format("torn_0")).write_bytes(torn)
+        content = json.loads(upload(folder, "elasticity_0", number("elasticity", mean=1.0), GRIP).read_text())
+        for place, value in changes:
+            inner = content
+            for key in place[:-1]:
+                inner = inner[key] if isinstance(inner, dict) and key in inner else {}
+            if isinstance(inner, dict):
+                inner[place[-1]] = value
+        (folder / ODD_NAME.format("elasticity_0")).write_text(json.dumps(content))
+        fates = [outcome.fate for outcome in import_paths(store, [folder], [UploadDictionaries()])]
+        assert len(fates) == 3
+        assert Fate.NEW in fates
+        assert list(verify(store)) == []

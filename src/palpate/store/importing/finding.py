@@ -65,19 +65,19 @@ def find(paths: Iterable[Path], formats: Sequence[Format]) -> Iterator[Found | O
     waiting = list(reversed(list(paths)))
     while waiting:
         path = waiting.pop()
-        owner = next((each for each in formats if each.owns(path)), None)
+        try:
+            owner = next((each for each in formats if each.owns(path)), None)
+            inner = sorted(path.iterdir()) if owner is None and path.is_dir() else None
+        except OSError as error:
+            yield Outcome(str(path), Fate.REFUSED, told(error, path))
+            continue
         if owner is not None:
             yield Found(path, owner)
-        elif not path.is_dir():
+        elif inner is None:
             yield Outcome(str(path), Fate.SKIPPED, UNKNOWN)
         else:
-            try:
-                inner = sorted(path.iterdir(), reverse=True)
-            except OSError as error:
-                yield Outcome(str(path), Fate.REFUSED, told(error, path))
-                continue
-            yield from (Outcome(str(link), Fate.SKIPPED, LINK) for link in reversed(inner) if link.is_symlink())
-            waiting += [one for one in inner if not one.is_symlink()]
+            yield from (Outcome(str(link), Fate.SKIPPED, LINK) for link in inner if link.is_symlink())
+            waiting += [one for one in reversed(inner) if not one.is_symlink()]
 
 
 def count_items(paths: Iterable[Path], formats: Sequence[Format]) -> int:
