@@ -61,7 +61,7 @@ def _score(score: Score | None) -> tuple[str, str, str]:
     if isnan(score.difference):
         return f"{score.fitted:.2f}", "", score.against
     spread = "" if isnan(score.se) else f" ± {score.se:.2f}"
-    return f"{score.fitted:.2f}", f"{score.difference:+.2f}{spread}", score.against
+    return f"{score.fitted:.2f}", f"{round(score.difference, 2) + 0.0:+.2f}{spread}", score.against
 
 
 def _notes(fitted: Fitted) -> Iterator[str]:

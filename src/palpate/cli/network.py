@@ -94,7 +94,7 @@ def fit(
         list[str] | None,
         typer.Option(help="COLUMN='PROPERTY [UNIT]', or COLUMN= to leave it out; repeatable.", rich_help_panel=DATA),
     ] = None,
-    pseudo_count: Annotated[float, typer.Option(help="Added to each count of a table.", rich_help_panel=HOW)] = 0.5,
+    pseudo_count: Annotated[float, typer.Option(help="Added to each count of a table.", rich_help_panel=HOW)] = 0.2,
     keep: Annotated[
         list[str] | None,
         typer.Option(help="A property or action whose numbers are kept; repeatable.", rich_help_panel=HOW),

@@ -1,9 +1,9 @@
 """Densities of a continuous property, one for each configuration of its parents.
 
 What few objects of a configuration cannot say, all objects say together: the location of a configuration is drawn, with
-the weight of one object, to the location of all, as far as their spread allows, and its spread to that of values about
-their own configuration, with an SD of a factor of two (a normal and a lognormal prior, and the mode of the posterior).
-A configuration without objects has the density of all.
+the weight of one value of the spread of all, to the location of all, and its spread to that of values about the middle
+of their own configuration, whose logarithm it has with an SD of 0.5 (a normal and a lognormal prior; the mode of the
+posterior). A configuration without objects has the density of all.
 """
 
 from __future__ import annotations

@@ -60,7 +60,7 @@ def fit(template: Template, specimens: Sequence[Specimen], settings: Settings | 
     for action in network.actions.values():
         actions[action.name], found = fit_sensor(network, action, ordered, settings)
         action_parts[action.name] = found
-        if action.name in template.blank and found.note in (KEPT, NOTHING):
+        if action.name in template.blank and found.counts is None and found.bias is None:
             wanted = f"{FEW_READINGS} on objects with known {action.sensor.property}"
             raise _missing(action.name, f"{found.readings} readings", wanted)
     return Fitted(replace(network, properties=properties, actions=actions), property_parts, action_parts)
@@ -80,6 +80,19 @@ def fit_property(
     """Fit one property to specimens."""
     if prop.name in settings.keep:
         return prop, PropertyPart(None, note=KEPT)
+    fitted, part = _fit_property(network, prop, specimens, settings)
+    without = sum(prop.name in one.truth and not _placed(prop, one) for one in specimens)
+    told = f"{without} more of objects whose {' or '.join(prop.parents)} is not known" if without else ""
+    return fitted, replace(part, note="; ".join(note for note in (part.note, told) if note))
+
+
+def _placed(prop: CategoricalProperty | ContinuousProperty, one: Specimen) -> bool:
+    return all(parent in one.truth for parent in prop.parents)
+
+
+def _fit_property(
+    network: Network, prop: CategoricalProperty | ContinuousProperty, specimens: Sequence[Specimen], settings: Settings
+) -> tuple[Property, PropertyPart]:
     if isinstance(prop, ContinuousProperty):
         fitted, part = fit_density(network, prop, specimens)
         return fitted, replace(part, note=NOTHING) if part.counts is None else part
@@ -97,9 +110,19 @@ def fit_sensor(
     network: Network, action: Action, specimens: Sequence[Specimen], settings: Settings
 ) -> tuple[Action, SensorPart]:
     """Fit the sensor of one action to specimens."""
-    sensor = action.sensor
     if action.name in settings.keep:
         return action, SensorPart(note=KEPT)
+    fitted, part = _fit_sensor(network, action, specimens, settings)
+    measured = action.sensor.property
+    without = sum(len(one.readings.get(action.name, ())) for one in specimens if measured not in one.truth)
+    told = f"{without} more of objects whose {measured} is not known" if without else ""
+    return fitted, replace(part, note="; ".join(note for note in (part.note, told) if note))
+
+
+def _fit_sensor(
+    network: Network, action: Action, specimens: Sequence[Specimen], settings: Settings
+) -> tuple[Action, SensorPart]:
+    sensor = action.sensor
     if not isinstance(sensor, ConfusionSensor):
         noise, part = fit_noise(action.name, sensor, specimens)
         return replace(action, sensor=noise), part if part.bias else replace(part, note=NOTHING)

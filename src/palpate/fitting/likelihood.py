@@ -11,12 +11,12 @@ from scipy import optimize
 
 from palpate.fitting.forms import Form
 
-__all__ = ["FACTOR", "Prior", "Sample", "maximise", "most_likely"]
+__all__ = ["LOG_SD", "Prior", "Sample", "maximise", "most_likely"]
 
 Array = NDArray[np.float64]
 
-FACTOR = float(np.log(2))
-"""SD of the logarithm of a spread about that of the others: a factor of two."""
+LOG_SD = 0.5
+"""SD of the logarithm of a spread about that of the others: two thirds are within a factor of 1.65."""
 TINY = 1e-300
 
 
@@ -50,7 +50,7 @@ class Sample:
 class Prior:
     """What all values say of the location and the spread of some.
 
-    Normal in the location, and in the logarithm of the spread, with an SD of a factor of two.
+    Normal in the location, and in the logarithm of the spread.
     """
 
     location: float
@@ -59,7 +59,7 @@ class Prior:
 
     def log_density(self, location: float, spread: float) -> float:
         """Natural log, up to a constant."""
-        z = (location - self.location) / self.location_sd, np.log(spread / self.spread) / FACTOR
+        z = (location - self.location) / self.location_sd, np.log(spread / self.spread) / LOG_SD
         return float(-0.5 * (z[0] ** 2 + z[1] ** 2))
 
 

@@ -6,6 +6,9 @@
    so far out; as the estimate is of few values, tails are those of Student's t and not of a normal.
 3. The estimate is the most likely one for the values that remain, as in Rousseeuw and Leroy (1987), Robust Regression
    and Outlier Detection, chapter 4: where nothing is left out it is plain maximum likelihood, and as efficient.
+4. The spread is that of what a new object will have: as the location is of n values only, and was fitted to them, its
+   square is (n + 1) / (n - 1) of the most likely one, which is the scale of the predictive distribution of a normal
+   (Gelman et al. 2013, Bayesian Data Analysis, 3.2). Of a single value, n - 1 counts as a half.
 """
 
 from __future__ import annotations
@@ -19,7 +22,7 @@ from scipy import special
 from palpate.fitting.forms import Form
 from palpate.fitting.likelihood import Prior, Sample, most_likely
 
-__all__ = ["FEWEST", "Estimate", "estimate", "resolution"]
+__all__ = ["FEWEST", "Estimate", "estimate", "resolution", "widened"]
 
 Array = NDArray[np.float64]
 
@@ -67,7 +70,18 @@ def estimate(form: Form, values: Array, floor: float, prior: Prior | None = None
     location, spread = most_likely(form, Sample(ranked[used]), start, floor, prior)
     back = np.empty_like(used)
     back[order] = used
-    return Estimate(location, spread, back)
+    return Estimate(location, spread * widened(int(used.sum())), back)
+
+
+def widened(count: int) -> float:
+    """How much larger the spread of a new value is than the most likely one of so many values.
+
+    Examples
+    --------
+    >>> widened(3) ** 2, round(widened(101) ** 2, 2)
+    (2.0000000000000004, 1.02)
+    """
+    return float(np.sqrt((count + 1) / max(count - 1, 0.5)))
 
 
 def _start(form: Form, ranked: Array, floor: float, prior: Prior | None) -> tuple[float, float]:

@@ -19,14 +19,14 @@ class Settings:
     Attributes
     ----------
     pseudo_count
-        Added to each count of a table, above zero. One half is the estimator of Krichevsky and Trofimov (1981), whose
-        log score on new objects is at most about half a bit times log2 n worse for each number than that of the best
-        table.
+        Added to each count of a table, above zero. The default lies between Perks' 1 / K and Jeffreys' 1 / 2 for tables
+        of ten states, most of which never occur; with 30 to 300 objects drawn from the shipped networks no other of
+        0.05, 0.1, 0.5 and 1 had better log scores on new objects over all tables.
     keep
         Properties and actions whose numbers stay those of the template.
     """
 
-    pseudo_count: float = 0.5
+    pseudo_count: float = 0.2
     keep: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
