@@ -9,7 +9,7 @@ from pathlib import Path
 
 from palpate.errors import EvidenceError, choices, near
 from palpate.fitting.csv_rows import Row, read_rows
-from palpate.fitting.data import Data, Source, true_value
+from palpate.fitting.data import Data, Source, true_value, unit_factor
 from palpate.fitting.errors import FittingError
 from palpate.fitting.gathering import Gathered
 from palpate.network.admission import admit
@@ -131,10 +131,9 @@ def _check_column(network: Network, header: Row, name: str, column: Column, othe
     if isinstance(prop, CategoricalProperty):
         raise header.error(name, f"found the unit {column.unit!r} of {prop.name!r}, which has states; expected none")
     try:
-        true_value(prop, 1.0, column.unit)
+        unit_factor(column.unit, prop.unit)
     except FittingError as error:
-        if "unit" in str(error):
-            raise header.error(name, error) from None
+        raise header.error(name, error) from None
 
 
 def _known(

@@ -16,7 +16,7 @@ from palpate.network.model import Network
 from palpate.network.properties import CategoricalProperty, ContinuousProperty, DerivedProperty, Property
 from palpate.network.units import UnitError, factor
 
-__all__ = ["Data", "Source", "Specimen", "Truth", "completed", "true_value"]
+__all__ = ["Data", "Source", "Specimen", "Truth", "completed", "true_value", "unit_factor"]
 
 Truth = Mapping[str, str | float]
 AGREEMENT = 0.05
@@ -104,13 +104,20 @@ def true_value(prop: Property, value: str | float, unit: str | None = None) -> s
     number = math.nan if isinstance(value, str) else float(value)
     if not math.isfinite(number):
         raise FittingError(f"found {value!r}; expected a finite number of {prop.name!r} [{prop.unit}]")
-    number *= _factor(unit, prop.unit)
+    number *= unit_factor(unit, prop.unit)
     if isinstance(prop, ContinuousProperty):
         _check_support(prop, number)
     return number
 
 
-def _factor(unit: str | None, wanted: str) -> float:
+def unit_factor(unit: str | None, wanted: str) -> float:
+    """The number that turns values in a unit, None for the same, into values in the one that is wanted.
+
+    Raises
+    ------
+    FittingError
+        The unit is unknown or of another dimension; without the place.
+    """
     try:
         return 1.0 if unit is None else factor(unit, wanted)
     except UnitError as error:

@@ -55,12 +55,12 @@ def fit(template: Template, specimens: Sequence[Specimen], settings: Settings | 
     for prop in own:
         properties[prop.name], part = fit_property(network, prop, ordered, settings)
         property_parts[prop.name] = part
-        if part.counts is None and prop.name in template.blank:
+        if part.counts is None and prop.name in template.blank_properties:
             raise _missing(prop.name, f"{part.objects} values", f"{FEW_VALUES} of objects with known {_names(prop)}")
     for action in network.actions.values():
         actions[action.name], found = fit_sensor(network, action, ordered, settings)
         action_parts[action.name] = found
-        if action.name in template.blank and found.counts is None and found.bias is None:
+        if action.name in template.blank_actions and found.counts is None and found.bias is None:
             wanted = f"{FEW_READINGS} on objects with known {action.sensor.property}"
             raise _missing(action.name, f"{found.readings} readings", wanted)
     return Fitted(replace(network, properties=properties, actions=actions), property_parts, action_parts)

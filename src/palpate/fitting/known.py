@@ -59,16 +59,18 @@ def truth_of(gathered: Gathered, known: Iterable[Known]) -> Mapping[int, Mapping
         if prop is None:
             continue
         try:
-            found[one.thing, prop.name].append(_value_of(prop, one.entry))
+            value = _value_of(prop, one.entry)
         except FittingError as error:
             gathered.tell(f"known {prop.name}: {error}; left out")
+        else:
+            found[one.thing, prop.name].append(value)
     truth: dict[int, dict[str, str | float]] = defaultdict(dict)
     for (thing, name), values in found.items():
-        value = _agreed(values)
-        if value is None:
+        agreed = _agreed(values)
+        if agreed is None:
             gathered.tell(f"known {name}: contradicting labels of one object; left out")
         else:
-            truth[thing][name] = value
+            truth[thing][name] = agreed
     return truth
 
 

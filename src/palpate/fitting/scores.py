@@ -94,7 +94,7 @@ def held_out_scores(
         told(done, len(dealt))
         names = {one.name for one in held}
         rest = [one for one in specimens if one.name not in names]
-        network = fit(template, rest, settings).network
+        network = _fitted(template, rest, settings)
         prior = _prior(template, rest, settings)
         for one in held:
             for key, score, before in _scored(network, prior, one):
@@ -104,11 +104,18 @@ def held_out_scores(
     return {key: _summary(template, key, scores[key]) for key in keys if key in scores and key[1] not in settings.keep}
 
 
+def _fitted(template: Template, specimens: Sequence[Specimen], settings: Settings) -> Network:
+    try:
+        return fit(template, specimens, settings).network
+    except FittingError as error:
+        raise FittingError(f"folds: with some objects held out, {error}; expected more objects, or no folds") from None
+
+
 def _prior(template: Template, specimens: Sequence[Specimen], settings: Settings) -> Network:
     """The template; properties about which it says nothing are fitted without parents."""
     network = template.network
     properties = dict(network.properties)
-    for name in template.blank & set(network.properties):
+    for name in template.blank_properties:
         prop = properties[name]
         bare: CategoricalProperty | ContinuousProperty
         if isinstance(prop, CategoricalProperty):
@@ -170,7 +177,7 @@ def log2_sensor(network: Network, action: Action, one: Specimen) -> float | None
 
 def _summary(template: Template, key: tuple[str, str], pairs: Sequence[tuple[float, float]]) -> Score:
     fitted = fmean(score for score, _ in pairs)
-    blank = key[1] in template.blank
+    blank = key[1] in (template.blank_properties if key[0] == "property" else template.blank_actions)
     if blank and key[0] == "action":
         return Score(fitted, len(pairs))
     differences = [score - before for score, before in pairs]

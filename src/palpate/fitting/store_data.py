@@ -47,8 +47,8 @@ def read_store(store: Store, network: Network, wanted: Filter | None = None) -> 
     gathered, hashed = Gathered(network), sha256()
     names, wanted = _names(store), wanted or Filter()
     known = [one for one in known_properties(store) if _of_dataset(names[one.thing], wanted)]
-    for one in known:
-        hashed.update(f"{names[one.thing]}\n{to_json(entry_plain(one.entry))}\n".encode())
+    for line in sorted(f"{names[one.thing]}\n{to_json(entry_plain(one.entry))}\n" for one in known):
+        hashed.update(line.encode())
     truth = truth_of(gathered, known)
     if not truth:
         raise FittingError(

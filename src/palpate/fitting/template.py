@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -34,13 +34,14 @@ class Template:
         With stand-ins where numbers were left out.
     tables
         As in its file, with the files that it extends in it.
-    blank
-        Names of the properties and actions whose numbers were left out: they are no prior to compare with.
+    blank_properties, blank_actions
+        Names of those whose numbers were left out: they are no prior to compare with.
     """
 
     network: Network
     tables: Mapping[str, Any]
-    blank: frozenset[str] = frozenset()
+    blank_properties: frozenset[str] = frozenset()
+    blank_actions: frozenset[str] = frozenset()
 
     @property
     def digest(self) -> str:
@@ -62,17 +63,22 @@ def read_template(name_or_path: str | Path) -> Template:
     document = read_document(name_or_path)
     tables: dict[str, Any] = {**document.tables}
     tables.pop("extends", None)
-    blank: set[str] = set()
     states = {
         name: prop["states"] for name, prop in _tables(tables.get("properties")) if isinstance(prop.get("states"), list)
     }
-    for group, fill in (("properties", _with_numbers), ("actions", _with_sensor)):
-        if not isinstance(tables.get(group), Mapping):
-            continue
-        filled = {name: fill(table, states) for name, table in _tables(tables[group])}
-        blank |= {name for name, table in filled.items() if table is not tables[group][name]}
-        tables[group] = {**tables[group], **filled}
-    return Template(network_of(replace(document, tables=tables)), tables, frozenset(blank))
+    blank_properties = _fill(tables, "properties", lambda table: _with_numbers(table, states))
+    blank_actions = _fill(tables, "actions", lambda table: _with_sensor(table, states))
+    return Template(network_of(replace(document, tables=tables)), tables, blank_properties, blank_actions)
+
+
+def _fill(tables: dict[str, Any], key: str, fill: Callable[[Mapping[str, Any]], Mapping[str, Any]]) -> frozenset[str]:
+    """Put stand-ins into the tables of a group; the names of those that got some."""
+    if not isinstance(tables.get(key), Mapping):
+        return frozenset()
+    filled = {name: fill(table) for name, table in _tables(tables[key])}
+    blank = frozenset(name for name, table in filled.items() if table is not tables[key][name])
+    tables[key] = {**tables[key], **filled}
+    return blank
 
 
 def _tables(group: Any) -> list[tuple[str, Mapping[str, Any]]]:
