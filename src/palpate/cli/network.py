@@ -1,4 +1,4 @@
-"""`palpate network`: check a network and show it."""
+"""`palpate network`: check a network, show it, and fit one to data."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ import typer
 
 __all__ = ["app"]
 
-app = typer.Typer(help="Check a network, or show it.", no_args_is_help=False)
+app = typer.Typer(help="Check a network, show it, or fit one to data.", no_args_is_help=False)
+
+DATA, HOW = "Data", "How it is fitted"
 
 
 @app.command("check")
@@ -57,3 +59,58 @@ def show(
         from palpate.cli.terminal import console
 
         console().print(network_tables(network))
+
+
+@app.command("fit")
+def fit(
+    like: Annotated[
+        str, typer.Option(metavar="NETWORK", help="Whose properties, actions and costs are kept: shipped, or a file.")
+    ],
+    output: Annotated[Path, typer.Option("--output", "-o", help="The TOML file to write.")],
+    store: Annotated[
+        str | None, typer.Option(help="SQLite file or postgresql+psycopg://...", rich_help_panel=DATA)
+    ] = None,
+    blobs: Annotated[str | None, typer.Option(help="Where the store's large bytes are.", rich_help_panel=DATA)] = None,
+    dataset: Annotated[str | None, typer.Option(help="Of the store: only its objects.", rich_help_panel=DATA)] = None,
+    device: Annotated[
+        str | None, typer.Option(help="Of the store: only readings of setups with it.", rich_help_panel=DATA)
+    ] = None,
+    gripper: Annotated[
+        str | None, typer.Option(help="Of the store: only readings with it.", rich_help_panel=DATA)
+    ] = None,
+    since: Annotated[
+        str | None, typer.Option(help="Of the store: readings at this time or later.", rich_help_panel=DATA)
+    ] = None,
+    until: Annotated[
+        str | None, typer.Option(help="Of the store: readings before this time.", rich_help_panel=DATA)
+    ] = None,
+    csv: Annotated[
+        Path | None, typer.Option(help="Table of objects, a column for each property.", rich_help_panel=DATA)
+    ] = None,
+    csv_readings: Annotated[
+        Path | None, typer.Option(help="Table of readings: object, action, outcome.", rich_help_panel=DATA)
+    ] = None,
+    column: Annotated[
+        list[str] | None,
+        typer.Option(help="COLUMN='PROPERTY [UNIT]', or COLUMN= to leave it out; repeatable.", rich_help_panel=DATA),
+    ] = None,
+    pseudo_count: Annotated[float, typer.Option(help="Added to each count of a table.", rich_help_panel=HOW)] = 0.2,
+    keep: Annotated[
+        list[str] | None,
+        typer.Option(help="A property or action whose numbers are kept; repeatable.", rich_help_panel=HOW),
+    ] = None,
+    folds: Annotated[
+        int, typer.Option(help="Of the objects, to score the fit on those held out; 0: none.", rich_help_panel=HOW)
+    ] = 10,
+    date: Annotated[
+        str | None, typer.Option(help="Of the network; that of the last recording unless given.", rich_help_panel=HOW)
+    ] = None,
+) -> None:
+    """Make a network from your own data: its numbers are estimated from objects with known properties."""
+    from palpate.cli.fitting import From, fit_network
+    from palpate.fitting.settings import Settings
+
+    asked = {"dataset": dataset, "device": device, "gripper": gripper, "since": since, "until": until}
+    tables = (csv, csv_readings, tuple(column or ()))
+    data = From(store, blobs, {name: value for name, value in asked.items() if value is not None}, *tables)
+    fit_network(like, data, output, Settings(pseudo_count, tuple(keep or ())), folds, date)

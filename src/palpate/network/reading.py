@@ -4,7 +4,7 @@ The format, ``palpate-network/1``::
 
     format = "palpate-network/1"
     name = "kitchen"                    # optional: the name of the file
-    description = "..."                 # optional, as `source`, and everywhere below
+    description = "..."                 # optional, as `source`: here, of properties and of sensors
     extends = "household"               # optional: a shipped network, or a path from this file;
                                         # tables merge deeply, values here win, lists are replaced
 
@@ -69,6 +69,14 @@ The format, ``palpate-network/1``::
     density = 7900
     mass = {value = 118, status = "measured", source = "kitchen scale"}   # fits the formula to 5 %
 
+    # How often what was seen, where numbers were estimated; checked, and not part of the model:
+    # [properties.category]          counts = [7, 3]              objects of each state
+    # [properties.material.counts]   mug = [7, 0]                 as `given`, with every state
+    # [properties.volume.counts]     mug = 7                      objects
+    # [actions.look.sensor.counts]   mug = [31, 4, 0]             as `given`: outcomes
+    # [actions.weigh.sensor]         counts = {objects = 10, readings = 52}
+    # [provenance]                   any keys                     what the numbers were made from
+
 Families and their parameters: normal (mean, sd), truncated-normal (mean and sd before truncation,
 low and/or high), lognormal (median, log_sd), gamma (shape, scale), uniform (low, high), student-t
 (location, scale, dof).
@@ -86,10 +94,10 @@ from palpate.network.reading_actions import read_actions
 from palpate.network.reading_objects import read_objects
 from palpate.network.reading_properties import read_properties
 
-__all__ = ["FORMAT", "load_network", "shipped_networks"]
+__all__ = ["FORMAT", "load_network", "network_of", "read_document", "shipped_networks"]
 
 FORMAT = "palpate-network/1"
-KEYS = ("format", "name", "description", "source", "extends", "properties", "actions", "objects")
+KEYS = ("format", "name", "description", "source", "extends", "properties", "actions", "objects", "provenance")
 SHIPPED = Path(__file__).parents[1] / "data"
 
 
@@ -124,15 +132,42 @@ def load_network(name_or_path: str | Path) -> Network:
     >>> list(network.properties)
     ['category', 'material', 'elasticity', 'density', 'volume', 'mass']
     """
-    path = _find(name_or_path, Path())
-    document = _read_layers(path)
+    return network_of(read_document(name_or_path))
+
+
+def read_document(name_or_path: str | Path) -> Section:
+    """Read the tables of a network file over those of the files it extends; what is in them is not checked.
+
+    Parameters
+    ----------
+    name_or_path
+        As for `load_network`.
+
+    Raises
+    ------
+    NetworkError
+        If a file cannot be read, or is of another format.
+    """
+    return _read_layers(_find(name_or_path, Path()))
+
+
+def network_of(document: Section) -> Network:
+    """Make a network of the tables of its file.
+
+    Raises
+    ------
+    NetworkError
+        As `load_network`.
+    """
     document.only(KEYS)
     for key in ("description", "source"):
         document.text(key, "")
     properties = read_properties(document)
     actions = read_actions(document, properties)
     objects = read_objects(document, properties)
-    name = document.text("name", path.stem)
+    if "provenance" in document:
+        document.section("provenance")
+    name = document.text("name", Path(document.layers[-1].file).stem)
     return Network(name, properties, actions, objects, document.text("description", ""))
 
 

@@ -11,6 +11,7 @@ from palpate.errors import choices
 from palpate.network.document import Section, unknown
 from palpate.network.model import Action
 from palpate.network.properties import CategoricalProperty, Property
+from palpate.network.reading_counts import check_counts, check_tallies
 from palpate.network.reading_tables import read_columns, read_csv
 from palpate.network.sensors import ConfusionSensor, NormalNoise, NumberSensor, Sensor, StudentTNoise
 
@@ -47,7 +48,7 @@ def _read_sensor(section: Section, properties: Mapping[str, Property]) -> Sensor
         raise section.error(unknown("property", name, list(properties)), "property")
     if kind not in SENSORS:
         raise section.error(unknown("kind of sensor", kind, list(SENSORS)), "kind")
-    section.only(("property", "kind", "description", "source", *SENSORS[kind]))
+    section.only(("property", "kind", "description", "source", "counts", *SENSORS[kind]))
     prop = properties[name]
     if (kind == "confusion") != isinstance(prop, CategoricalProperty):
         is_a = "is categorical" if isinstance(prop, CategoricalProperty) else "is a number"
@@ -63,18 +64,21 @@ def _read_confusion(section: Section, prop: CategoricalProperty) -> ConfusionSen
     repeat = section.between("repeat_probability", 0, 1, 0.0)
     if "given" in section:
         outcomes = section.names("outcomes", prop.states)
+        check_counts(section, [prop], len(outcomes))
         return ConfusionSensor(prop.name, outcomes, read_columns(section, prop, outcomes), repeat)
     found_outcomes, table = read_csv(section, "csv", prop.states)
     outcomes = section.names("outcomes", found_outcomes)
     if sorted(outcomes) != sorted(found_outcomes):
         problem = f"found {', '.join(outcomes)}; expected the rows of the CSV file: {', '.join(found_outcomes)}"
         raise section.error(problem, "outcomes")
+    check_counts(section, [prop], len(outcomes))
     rows = [found_outcomes.index(outcome) for outcome in outcomes]
     return ConfusionSensor(prop.name, outcomes, np.asarray(table[rows]), repeat)
 
 
 def _read_number(section: Section, name: str) -> NumberSensor:
     """A normal or Student t sensor; its numbers are in the property's unit."""
+    check_tallies(section)
     normal = section.text("kind") == "normal"
     scale, relative = ("sd", "relative_sd") if normal else ("scale", "relative_scale")
     if scale not in section and relative not in section:

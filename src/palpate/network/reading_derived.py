@@ -42,7 +42,7 @@ def read_derived(sections: Mapping[str, Section], others: Mapping[str, Property]
 
 
 def _read_formula(section: Section, names: Mapping[str, object]) -> Formula:
-    section.only(("description", "unit", "formula"))
+    section.only(("description", "source", "unit", "formula"))
     try:
         formula = Formula.parse(section.text("formula"))
     except NetworkError as error:

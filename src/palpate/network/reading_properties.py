@@ -14,6 +14,7 @@ from palpate.network.document import Section, refuse_cycle, unknown
 from palpate.network.families import Family, Gamma, LogNormal, Normal, StudentT, Uniform
 from palpate.network.model import MAX_JOINT_STATES
 from palpate.network.properties import CategoricalProperty, ContinuousProperty, Property
+from palpate.network.reading_counts import check_counts
 from palpate.network.reading_derived import read_derived
 from palpate.network.reading_tables import configurations, read_distribution, read_unit
 
@@ -72,7 +73,7 @@ def _read_categorical(document: Section, sections: Mapping[str, Section]) -> dic
     every = tuple(document.sections("properties"))
     bare: dict[str, CategoricalProperty] = {}
     for name, section in sections.items():
-        section.only(("description", "states", "prior", "parents", "given"))
+        section.only(("description", "source", "states", "prior", "parents", "given", "counts"))
         states, parents = section.names("states"), _parents(section, sections, every)
         if not states:
             raise section.error("found no states; expected at least one", "states")
@@ -86,6 +87,7 @@ def _read_categorical(document: Section, sections: Mapping[str, Section]) -> dic
 
 
 def _read_table(section: Section, prop: CategoricalProperty, bare: Mapping[str, CategoricalProperty]) -> Array:
+    check_counts(section, [bare[name] for name in prop.parents], len(prop.states))
     if not prop.parents:
         _refuse(section, "given", "prior")
         if "prior" not in section:
@@ -117,8 +119,9 @@ def _read_continuous(
         raise section.error(unknown("family", family, list(FAMILIES)), "family")
     build, positive, other = FAMILIES[family]
     parameters = (*other, *positive)
-    section.only(("description", "unit", "family", "parents", "given", *parameters))
+    section.only(("description", "source", "unit", "family", "parents", "given", "counts", *parameters))
     unit, parents = read_unit(section), [categorical[p] for p in _parents(section, categorical, every)]
+    check_counts(section, parents)
     if not parents:
         _refuse(section, "given", "the parameters in the property itself")
     rows = [

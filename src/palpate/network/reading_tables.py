@@ -51,13 +51,13 @@ def _normalised(section: Section, key: str, numbers: Sequence[object]) -> Array:
 
 
 def configurations(
-    section: Section, parents: Sequence[CategoricalProperty], what: str
+    section: Section, parents: Sequence[CategoricalProperty], what: str, key: str = "given"
 ) -> Iterator[tuple[Section, str]]:
     """Where the entry of each parent configuration stands, the last parent running fastest.
 
     The table ``given`` is nested once per parent: ``given.mug.large`` for category and size.
     """
-    yield from _entries(section, "given", list(parents), what)
+    yield from _entries(section, key, list(parents), what)
 
 
 def _entries(
