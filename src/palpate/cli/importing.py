@@ -33,12 +33,15 @@ def check_paths(paths: Sequence[Path], report: Path | None) -> None:
         raise PalpateError(f"{report}: there is no folder {report.absolute().parent}, expected one for the report")
 
 
-def formats_of(columns: Path | None) -> Sequence[Format]:
+def formats_of(columns: Path | None, topics: Path | None) -> Sequence[Format]:
     """All formats, with what the options say about some of them."""
+    from palpate.store.importing.bags.reading_topics import read_topic_map
     from palpate.store.importing.formats import all_formats
     from palpate.store.importing.reading_columns import read_columns
 
-    return all_formats(None if columns is None else read_columns(columns))
+    return all_formats(
+        None if columns is None else read_columns(columns), None if topics is None else read_topic_map(topics)
+    )
 
 
 def import_shown(

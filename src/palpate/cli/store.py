@@ -84,6 +84,9 @@ def import_(
     columns: Annotated[
         Path | None, typer.Option(help="What the columns of CSV files mean, in TOML; without it they are skipped.")
     ] = None,
+    topics: Annotated[
+        Path | None, typer.Option(help="What the topics of ROS 2 bags and MCAP files become; without it, likewise.")
+    ] = None,
     report: Annotated[Path | None, typer.Option(help="Write what became of everything to this file as JSON.")] = None,
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Print every decision on how a file was read.")
@@ -99,7 +102,7 @@ def import_(
 
     wanted = [*(paths or ()), *([EXAMPLE] if example else [])]
     check_paths(wanted, report)
-    formats = formats_of(columns)
+    formats = formats_of(columns, topics)
     with opened(place, blobs) as found:
         done = import_shown(found, wanted, formats, report_file=report, verbose=verbose)
     raise typer.Exit(1 if done.count(Fate.REFUSED) else 0)

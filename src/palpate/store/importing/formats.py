@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from palpate.store.importing.bags.format import Bags
+from palpate.store.importing.bags.topics import TopicMap
 from palpate.store.importing.butler import ButlerExperiments
 from palpate.store.importing.columns import ColumnMap
 from palpate.store.importing.items import Format
@@ -12,12 +14,15 @@ from palpate.store.importing.uploads import UploadDictionaries
 __all__ = ["all_formats"]
 
 
-def all_formats(columns: ColumnMap | None = None) -> tuple[Format, ...]:
+def all_formats(columns: ColumnMap | None = None, topics: TopicMap | None = None) -> tuple[Format, ...]:
     """All formats, in the order in which they are asked whether a path is theirs.
 
     Parameters
     ----------
     columns
         What the columns of CSV files mean; without it they are skipped, with a sentence on what is needed.
+    topics
+        What the topics of bags become; likewise.
     """
-    return (Archives(), RecordingFolders(), ButlerExperiments(), UploadDictionaries(), Squeezes(columns))
+    own = (Archives(), RecordingFolders())
+    return (*own, ButlerExperiments(), UploadDictionaries(), Squeezes(columns), Bags(topics))
