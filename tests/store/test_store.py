@@ -9,7 +9,7 @@ from sqlalchemy import func, select
 
 from palpate.store import schema
 from palpate.store.entries import Value
-from palpate.store.errors import DamagedError, StoreError
+from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.records import Channel, Device, FileItem, Recording, Series, Setup, ThingRef
 from palpate.store.store import Store
 from palpate.store.verifying import verify
@@ -57,6 +57,24 @@ def test_the_same_recording_is_kept_once(store: Store) -> None:
     assert [receipt.new for receipt in receipts] == [True, False, False]
     assert receipts[0].id == receipts[2].id
     assert count(store) == 2
+
+
+def test_known_digests_are_told(store: Store) -> None:
+    """Of any number of digests those that are there are told; what is no digest is refused."""
+    given = [squeeze(number) for number in range(900)]
+    store.put_many(given[::3])
+    assert store.known(recording.digest for recording in given) == {recording.digest for recording in given[::3]}
+    assert store.known([]) == set()
+    with pytest.raises(StoreError, match="'mug': is no digest"):
+        store.known(["mug"])
+
+
+def test_a_store_that_cannot_be_asked_says_so(local: Store) -> None:
+    """A database that fails is an error of its own kind, in one sentence."""
+    with local.engine.begin() as connection:
+        connection.exec_driver_sql("ALTER TABLE recordings RENAME TO others")
+    with pytest.raises(UnavailableError, match="no such table"):
+        local.known([squeeze().digest])
 
 
 def test_an_id_belongs_to_one_recording(store: Store) -> None:

@@ -91,14 +91,14 @@ class Store:
         return self._commit_or_again(prepared, ATTEMPTS)
 
     def known(self, digests: Iterable[str]) -> set[str]:
-        """Which recordings of these digests are there.
+        """Which of these digests are those of recordings that are there.
 
         Raises
         ------
-        UnavailableError
-            If the database cannot be asked.
+        StoreError
+            If one is no digest. It is an `UnavailableError` where the database cannot be asked.
         """
-        asked = [bytes.fromhex(digest) for digest in digests]
+        asked = [_bytes_of(digest) for digest in digests]
         column, found = schema.recordings.c.digest, set[str]()
         try:
             with self.engine.connect() as connection:

@@ -92,4 +92,7 @@ def told(error: Exception, source: Path | str) -> str:
         return f"{place}cannot be read: {error.strerror or error}"
     if isinstance(error, RecursionError):
         return "is nested too deeply to be read"
-    return str(error).removeprefix(f"{source}: ").removeprefix(f"{source} ")
+    text = str(error)
+    return next(
+        (text.removeprefix(f"{source}{end}") for end in (": ", " ", "/") if text.startswith(f"{source}{end}")), text
+    )

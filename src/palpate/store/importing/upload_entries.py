@@ -56,7 +56,8 @@ def _value(dictionary: UploadDictionary, place: int, given: Any, conventions: Co
     property = conventions.properties.get(name, name)
     mean, sd, unit = given.get("mean"), given.get("std"), given.get("units")
     if isinstance(mean, bool) or not isinstance(mean, int | float) or not math.isfinite(mean):
-        notices.append(f"the mean of {property} is {mean} and not a number: this is a failed measurement (std {sd})")
+        spread = "" if sd is None else f" (std {sd})"
+        notices.append(f"the mean of {property} is {mean} and not a number: this is a failed measurement{spread}")
         return FailedEntry(f"the mean is {mean}", property)
     if unit is None:
         unit = conventions.units.get(name)
