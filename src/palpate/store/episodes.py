@@ -50,6 +50,15 @@ class StoredStep:
         """The step as JSON: what is hashed and stored."""
         return to_json({"record": self.record, "recording": self.recording})
 
+    @cached_property
+    def flaw(self) -> str | None:
+        """What of the record JSON cannot hold; looked for once, as an episode is checked again with each new step."""
+        try:
+            check_json("", self.record)
+        except StoreError as error:
+            return str(error)
+        return None
+
 
 @dataclass(frozen=True)
 class StoredEpisode:
@@ -163,7 +172,8 @@ def check_episode(episode: StoredEpisode) -> None:
     if found != EPISODE_FORMAT:
         raise StoreError(f"header.format: found {found!r}, expected {EPISODE_FORMAT!r}")
     for where, step in _placed(episode):
-        check_json(where, step.record)
+        if step.flaw is not None:
+            raise StoreError(f"{where}{step.flaw}")
         if step.recording is not None:
             digest_bytes(step.recording)
 
