@@ -80,10 +80,33 @@ dof = 5
 """
 
 
+WRONG = [
+    ("[0.7, 0.2, 0.1]", "[0.2, 0.3, 0.5]"),
+    ("[0.6, 0.4]", "[0.2, 0.8]"),
+    ("mean = 7.8, sd = 0.3", "mean = 6.5, sd = 1.5"),
+    ("mean = 8.5, sd = 0.2", "mean = 7.0, sd = 1.5"),
+    ("median = 4, log_sd = 0.3", "median = 9, log_sd = 1"),
+    ("shape = 9", "shape = 3"),
+    ("[0.9, 0.05, 0.05]", "[0.5, 0.3, 0.2]"),
+    ("sd = 2\n", "sd = 9\n"),
+    ("scale = 0.1", "scale = 0.5"),
+]
+"""What a template that knows little has in place of the truth."""
+
+
 def workshop(folder: Path, text: str = WORKSHOP) -> Path:
     path = folder / "workshop.toml"
     path.write_text(text, encoding="utf-8")
     return path
+
+
+def wrong_workshop(folder: Path) -> Path:
+    """The same properties and actions, with other numbers."""
+    text = WORKSHOP
+    for old, new in WRONG:
+        assert old in text
+        text = text.replace(old, new)
+    return workshop(folder, text)
 
 
 def network_of(folder: Path, text: str = WORKSHOP) -> Network:
