@@ -37,6 +37,17 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
                     "  the same, per second", f"{1 / seconds:,.0f}", f"{1 / target:,.0f}" if target else "", ""
                 )
             )
+        least = bench.extra_info.get("least_s")
+        if least is not None:
+            write(
+                COLUMNS.format(
+                    "  the least, by bare calls in the same run", shown(least), "", f"{seconds / least:.1f} x"
+                )
+            )
+        peak, most = bench.extra_info.get("peak_mb"), bench.extra_info.get("target_mb")
+        if peak is not None:
+            verdict = "met" if peak <= most else f"{peak / most:.1f} x over"
+            write(COLUMNS.format("  peak of memory", f"{peak:.0f} MB", f"{most:.0f} MB", verdict))
     for bench in found:
         rival = bench.extra_info.get("rival")
         if rival in medians:

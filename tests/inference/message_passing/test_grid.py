@@ -21,7 +21,8 @@ def test_a_normal_on_the_grid_has_its_closed_forms(mean: float, sd: float) -> No
     assert marginal.mean == pytest.approx(mean, abs=1e-6)
     assert marginal.sd == pytest.approx(sd, rel=1e-6)
     assert marginal.entropy_bits == pytest.approx(0.5 * np.log2(2 * np.pi * np.e * sd**2), abs=1e-6)
-    assert GRID.entropy_bits(normal(mean, sd)) == pytest.approx(marginal.entropy_bits, abs=1e-9)
+    # six SDs from its end the grid misses 4e-9 bits
+    assert GRID.entropy_bits(normal(mean, sd)) == pytest.approx(marginal.entropy_bits, abs=1e-8)
     assert marginal.quantile(0.95) == pytest.approx(mean + 1.6448536 * sd, abs=2e-3 * sd)
     assert marginal.cdf(mean) == pytest.approx(0.5, abs=1e-3)
     x, density = marginal.curve

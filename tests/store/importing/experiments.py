@@ -54,4 +54,5 @@ def write(path: Path, content: Any) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     if not isinstance(content, str | bytes):
         content = json.dumps(content)
-    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    # half a surrogate pair is junk that no text holds, and bytes can
+    path.write_bytes(content.encode("utf-8", "surrogatepass") if isinstance(content, str) else content)

@@ -21,15 +21,18 @@ from sqlalchemy import Connection, inspect, text
 from palpate.store import rows
 from palpate.store.blobs import FolderBlobs
 from palpate.store.database import LATEST, connect, migrate
+from palpate.store.describing import change_thing
 from palpate.store.entries import Bound, Distribution, FailedEntry, Interval, Value
+from palpate.store.keeping_episodes import put_episode
 from palpate.store.merging import merge_things
 from palpate.store.records import Channel, Device, FileItem, Pose, Recording, Series, Setup, ThingRef
 from palpate.store.schema import metadata
 from palpate.store.store import Store
-from tests.store.made_up import GRIPPER, START, squeeze
+from tests.store.made_up import GRIPPER, START, made_episode, squeeze
 from tests.store.versions.filled import Filled, filled, versions, write
 
 PICTURE = b"a picture of a mug"
+CERAMIC = Distribution("material", {"ceramic": 0.75, "glass": 0.25})
 
 
 def main() -> None:
@@ -42,7 +45,10 @@ def main() -> None:
         store = Store(connect(f"sqlite:///{folder}/store.sqlite"), FolderBlobs(Path(folder) / "blobs"))
         with store:
             _begin(store)
-            store.put_many(_recordings(int(LATEST)))
+            recordings = _recordings(int(LATEST))
+            store.put_many(recordings)
+            put_episode(store, made_episode(*recordings, number=int(LATEST), stop="enough", owner="ann"))
+            change_thing(store, recordings[0].thing, lambda thing: thing.knowing(CERAMIC, "ann"))
             write(_dumped(store))
 
 

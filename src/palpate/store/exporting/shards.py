@@ -49,6 +49,7 @@ class ShardWriter:
         self.schema, self.place, self.most_bytes = schema, place, most_bytes
         self.shards: list[Shard] = []
         self._waiting: list[pa.Table] = []
+        self._waiting_rows = self._waiting_bytes = 0
         self._rows = 0
         self._file: BinaryIO | None = None
         self._writer: ParquetWriter | None = None
@@ -75,11 +76,10 @@ class ShardWriter:
         for part in parts:
             if part.num_rows:
                 self._waiting.append(part)
-            if sum(each.num_rows for each in self._waiting) >= GROUP_ROWS or self._waiting_bytes() >= GROUP_BYTES:
+                self._waiting_rows += part.num_rows
+                self._waiting_bytes += part.nbytes
+            if self._waiting_rows >= GROUP_ROWS or self._waiting_bytes >= GROUP_BYTES:
                 self._flush()
-
-    def _waiting_bytes(self) -> int:
-        return sum(part.nbytes for part in self._waiting)
 
     def _flush(self) -> None:
         """Write what waits as one row group."""
@@ -97,7 +97,7 @@ class ShardWriter:
                 dictionary_pagesize_limit=GROUP_BYTES,
             )
         group = pa.concat_tables(self._waiting)
-        self._waiting = []
+        self._waiting, self._waiting_rows, self._waiting_bytes = [], 0, 0
         self._writer.write_table(group, row_group_size=max(1, group.num_rows))
         self._rows += group.num_rows
 

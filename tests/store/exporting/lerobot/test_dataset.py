@@ -180,12 +180,15 @@ def test_many_files(local: Store, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     from palpate.store.exporting.lerobot import episodes, info
 
     monkeypatch.setattr(shards, "GROUP_ROWS", 1)
+    monkeypatch.setattr(episodes, "ROWS_AT_ONCE", 2)
     for module in (episodes, info):
         monkeypatch.setattr(module, "CHUNK_FILES", 2)
     local.put_many([public(number) for number in range(5)])
     found = exported(local, tmp_path / "given", data_mb=0)
     where = [(each.row["data/chunk_index"], each.row["data/file_index"]) for each in found.episodes]
     assert where == [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0)]
+    where = [(each.row["meta/episodes/chunk_index"], each.row["meta/episodes/file_index"]) for each in found.episodes]
+    assert where == [(0, 0), (0, 0), (0, 1), (0, 1), (1, 0)]
 
 
 @pytest.mark.parametrize(

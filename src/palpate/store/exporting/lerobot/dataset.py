@@ -109,6 +109,7 @@ class LeRobot:
                         refused.add(recording, str(error))
                 done += len(batch)
                 told(done, of)
+            episodes.finish()
         return episodes, refused.notices()
 
 

@@ -24,6 +24,7 @@ from palpate.store.records import Recording
 __all__ = ["CHUNK_FILES", "COUNTED", "EPISODES", "STATE", "EpisodeWriter", "chunked", "episodes_schema", "frames_table"]
 
 CHUNK_FILES = 1000
+ROWS_AT_ONCE = 500
 STATE = "observation.state"
 SHORT = Kind("number", pa.float32(), "sc:Float")
 COUNTED = (
@@ -67,7 +68,7 @@ def chunked(folder: Path, number: int) -> Path:
 
 
 class EpisodeWriter:
-    """Writes recordings as episodes and counts as it goes.
+    """Writes recordings as episodes and counts as it goes; `finish` comes last.
 
     Parameters
     ----------
@@ -83,6 +84,7 @@ class EpisodeWriter:
         self.tasks: dict[str, int] = {}
         self.statistics: dict[str, Moments] = {}
         self.episodes = self.frames = 0
+        self._rows: list[Mapping[str, Any]] = []
 
     def write(self, recording: Recording) -> None:
         """Add a recording as the next episode.
@@ -98,10 +100,17 @@ class EpisodeWriter:
         found = _statistics(state, images, numbers)
         row = self._row(recording, len(state), found)
         self.data.write(self._parts(state, images, numbers))
-        self.meta.write([pa.Table.from_pylist([row], self.meta.schema)])
+        self._rows.append(row)
+        if len(self._rows) == ROWS_AT_ONCE:
+            self.finish()
         for name, each in found.items():
             self.statistics[name] = self.statistics[name].merged(each) if name in self.statistics else each
         self.episodes, self.frames = self.episodes + 1, self.frames + len(state)
+
+    def finish(self) -> None:
+        """Write the rows that wait."""
+        self.meta.write([pa.Table.from_pylist(self._rows, self.meta.schema)])
+        self._rows = []
 
     def _numbers(self, length: int, task: int) -> Mapping[str, NDArray[Any]]:
         frame = np.arange(length)
