@@ -1,11 +1,17 @@
+import json
+import sqlite3
 from pathlib import Path
 
+import pyarrow
 import pytest
+from pyarrow import parquet
 
 from palpate.store.archive import export_archive
 from palpate.store.audit import history
+from palpate.store.content import file_digest
 from palpate.store.describing import add_thing, change_thing, fields_of, keep_image
 from palpate.store.entries import Distribution, Value
+from palpate.store.errors import UnavailableError
 from palpate.store.importing.intake import import_paths
 from palpate.store.importing.items import Fate, Outcome
 from palpate.store.importing.own_formats import Archives
@@ -22,9 +28,12 @@ MUG, CUP, BOX = (ThingRef("made_up", name) for name in ("mug", "cup", "box"))
 RECORDINGS = [squeeze(number, thing=thing) for number, thing in enumerate((MUG, CUP))]
 
 
-def taken(store: Store, archive: Path, fate: Fate) -> list[Outcome]:
-    """What became so of an archive that is imported."""
-    return [outcome for outcome in import_paths(store, [archive], [Archives()]) if outcome.fate is fate]
+def taken(store: Store, archive: Path) -> list[Outcome]:
+    return list(import_paths(store, [archive], [Archives()]))
+
+
+def fates(outcomes: list[Outcome], what: str) -> list[Fate]:
+    return [outcome.fate for outcome in outcomes if f": {what} " in outcome.source]
 
 
 @pytest.fixture
@@ -47,11 +56,10 @@ def archive(store: Store, tmp_path: Path) -> Path:
 def test_objects_and_episodes_survive_an_archive(store: Store, archive: Path, tmp_path: Path) -> None:
     """Descriptions, known properties, images, merges and episodes come back; a second import adds nothing."""
     with open_store(tmp_path / "other.sqlite", durable=False) as other:
-        first = list(import_paths(other, [archive], [Archives()]))
-        second = list(import_paths(other, [archive], [Archives()]))
-        assert [outcome.fate for outcome in first] == [Fate.NEW] * 6
-        assert [outcome.fate for outcome in second] == [Fate.KNOWN] * 6
-        assert sum(": episode " in outcome.source for outcome in first) == 4
+        first, second = (taken(other, archive) for _ in range(2))
+        assert (fates(first, "episode"), fates(second, "episode")) == ([Fate.NEW] * 4, [Fate.KNOWN] * 4)
+        assert fates(first, "object") == fates(second, "object") == []
+        assert Archives().count(archive) == len(first)
         assert list_things(other) == list_things(store)
         assert other.blobs.get(find_thing(other, "mug").images[0].sha256) == b"a picture"
         for number in range(3):
@@ -67,7 +75,7 @@ def test_what_a_store_says_already_stays(store: Store, archive: Path, tmp_path: 
         heavier = Value("mass", 120.0, unit="g")
         change_thing(other, MUG, lambda thing: thing.described(attributes={"colour": "blue", "age": 3}))
         change_thing(other, MUG, lambda thing: thing.knowing(heavier, "scale"))
-        assert len(taken(other, archive, Fate.NEW)) == 6
+        taken(other, archive)
         found = find_thing(other, "mug")
         assert found.ref.attributes == {"colour": "blue", "age": 3}
         assert {one.source: one.entry for one in found.known}["scale"] == heavier
@@ -81,36 +89,88 @@ def test_what_does_not_fit_is_told(store: Store, archive: Path, tmp_path: Path) 
         other.put(squeeze(9, thing=BOX, entries=(Value("mass", 1.0, unit="N"),)))
         add_thing(other, CUP)
         merge_things(other, CUP, BOX)
-        refused = [outcome.reason or "" for outcome in taken(other, archive, Fate.REFUSED)]
-        assert [reason.partition(": ")[0] for reason in refused] == [
+        refused = [outcome for outcome in taken(other, archive) if outcome.fate is Fate.REFUSED]
+        assert [outcome.source.partition(": ")[2] for outcome in refused] == [
             "object made_up/mug",
             "object made_up/cup",
         ]
+        assert "counts as made_up/box here, and as made_up/mug in the archive" in (refused[1].reason or "")
         assert find_thing(other, "cup").merged_into == BOX
         assert list(verify(other)) == []
 
 
 @pytest.mark.parametrize("name", ["objects.parquet", "episodes.parquet"])
 def test_changed_tables_are_refused(archive: Path, local: Store, name: str) -> None:
-    """A file that is not the one that was written, or that the manifest does not know, is named."""
+    """A file that is not the one that was written, or that the manifest does not know, is named once."""
     path = archive / name
     path.write_bytes(path.read_bytes() + b"x")
-    (damaged,) = taken(local, archive, Fate.REFUSED)
-    assert f"{name}: is missing or not the file" in (damaged.reason or "")
+    (refused,) = taken(local, archive)
+    assert f"{name}: is missing or not the file" in (refused.reason or "")
     manifest = archive / "manifest.json"
     text = manifest.read_text(encoding="utf-8")
     manifest.write_text(text.replace(f'"{name}"', '"other.parquet"'), encoding="utf-8")
-    (unknown,) = taken(local, archive, Fate.REFUSED)
-    assert f"{name}: is not among the files of manifest.json" in (unknown.reason or "")
+    (refused,) = taken(local, archive)
+    assert f"{name}: is not among the files of manifest.json" in (refused.reason or "")
+
+
+@pytest.mark.parametrize("name", ["objects.parquet", "episodes.parquet"])
+@pytest.mark.parametrize("content", ["junk", "columns", "rows"])
+def test_tables_of_others_are_refused(archive: Path, tmp_path: Path, name: str, content: str) -> None:
+    """What is no table, has other columns or other values is told in a sentence; the recordings are there."""
+    path = archive / name
+    if content == "junk":
+        path.write_bytes(b"PAR1 and nothing else PAR1")
+    elif content == "columns":
+        parquet.write_table(pyarrow.table({"document": ["{}"]}), path)
+    else:
+        table = parquet.read_table(path)
+        field = "attributes" if name.startswith("objects") else "document"
+        place = table.column_names.index(field)
+        wrong = pyarrow.array(["}"] * table.num_rows, pyarrow.string())
+        parquet.write_table(table.set_column(place, table.schema.field(place), wrong), path)
+    manifest = archive / "manifest.json"
+    plain = json.loads(manifest.read_text(encoding="utf-8"))
+    plain["sha256"][name] = file_digest(path)
+    manifest.write_text(json.dumps(plain), encoding="utf-8")
+    with open_store(tmp_path / "other.sqlite", durable=False) as other:
+        outcomes = taken(other, archive)
+        refused = [outcome for outcome in outcomes if outcome.fate is Fate.REFUSED]
+        assert refused
+        assert all(outcome.reason for outcome in refused)
+        assert fates(outcomes, "recording") == [Fate.NEW] * 2
+        assert list(verify(other)) == []
 
 
 def test_archives_without_objects_and_episodes_are_taken(archive: Path, tmp_path: Path) -> None:
     """An archive that was written before there were such tables gives its recordings."""
     manifest = archive / "manifest.json"
-    text = manifest.read_text(encoding="utf-8")
+    plain = json.loads(manifest.read_text(encoding="utf-8"))
     for name in ("objects.parquet", "episodes.parquet"):
         (archive / name).unlink()
-        text = text.replace(f'"{name}"', f'"not {name}"')
-    manifest.write_text(text, encoding="utf-8")
+        del plain["sha256"][name]
+    del plain["episodes"]
+    manifest.write_text(json.dumps(plain), encoding="utf-8")
     with open_store(tmp_path / "other.sqlite", durable=False) as other:
-        assert len(taken(other, archive, Fate.NEW)) == 2
+        assert [outcome.fate for outcome in taken(other, archive)] == [Fate.NEW] * 2
+
+
+def test_a_store_that_cannot_be_used_ends_an_import(
+    archive: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """While another program holds the file nothing is refused that may be right; the same import then goes on."""
+    monkeypatch.setattr("palpate.store.database.WAIT_S", 0.1)
+    with open_store(tmp_path / "other.sqlite", durable=False) as other:
+        other.put_many(RECORDINGS)
+        holding = sqlite3.connect(tmp_path / "other.sqlite", isolation_level=None)
+        holding.execute("BEGIN IMMEDIATE")
+        for change in (
+            lambda: taken(other, archive),
+            lambda: add_thing(other, BOX),
+            lambda: put_episode(other, made_episode()),
+        ):
+            with pytest.raises(UnavailableError, match=r"database is locked; nothing was (changed|kept)"):
+                change()
+        holding.execute("ROLLBACK")
+        holding.close()
+        assert Fate.REFUSED not in {outcome.fate for outcome in taken(other, archive)}
+        assert list(verify(other)) == []

@@ -100,13 +100,13 @@ def _write(selection: Selection, folder: Path, told: Told) -> int:
                 kept.put(item.sha256, item.data)
             count += len(batch)
             told(count, of)
-    more = MORE_TABLES if selection.is_all else ()
+    more, episodes = MORE_TABLES if selection.is_all else (), 0
     if more:
         with selection.store.engine.connect() as connection:
             write_things(connection, selection.store.blobs, folder, kept)
-            write_episodes(connection, folder)
+            episodes = write_episodes(connection, folder)
     digests = {name: file_digest(folder / name) for name in (*TABLES, *more)}
-    manifest = {"format": NAME, "version": VERSION, "recordings": count, "sha256": digests}
+    manifest = {"format": NAME, "version": VERSION, "recordings": count, "episodes": episodes, "sha256": digests}
     (folder / MANIFEST).write_text(to_json(manifest) + "\n", encoding="utf-8")
     return count
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import groupby
 from pathlib import Path
@@ -20,7 +20,7 @@ from palpate.store.records import ThingRef
 if TYPE_CHECKING:
     import pyarrow
 
-__all__ = ["EPISODES", "read_episodes", "write_episodes"]
+__all__ = ["EPISODES", "archived_episodes", "episodes_schema", "write_episodes"]
 
 EPISODES = "episodes.parquet"
 
@@ -35,35 +35,26 @@ def episodes_schema() -> pyarrow.Schema:
     return pa.schema([*((name, pa.string()) for name in texts), moments, ("position", pa.int64())])
 
 
-def write_episodes(connection: Connection, folder: Path) -> None:
-    """Write all episodes."""
+def write_episodes(connection: Connection, folder: Path) -> int:
+    """Write all episodes, and return how many they are."""
     import pyarrow as pa
     from pyarrow.parquet import ParquetWriter
 
+    count = 0
     with ParquetWriter(folder / EPISODES, episodes_schema(), compression="zstd") as writer:
         for episode in all_episodes(connection):
             writer.write_table(pa.Table.from_pylist(list(_rows(episode)), schema=episodes_schema()))
+            count += 1
+    return count
 
 
-def read_episodes(folder: Path) -> Iterator[StoredEpisode]:
-    """Give the episodes of an archive, each one verified.
-
-    Raises
-    ------
-    DamagedError
-        If one is not what was written.
-    """
-    from pyarrow.parquet import ParquetFile
-
-    batches = ParquetFile(folder / EPISODES).iter_batches(batch_size=1000)
-    rows = (row for batch in batches for row in batch.to_pylist())
-    for key, lines in groupby(rows, key=lambda row: row["episode"]):
+def archived_episodes(rows: Iterable[Mapping[str, Any]]) -> Iterator[tuple[str, StoredEpisode | str]]:
+    """Give the episodes of rows: under which id, and the episode, verified, or what is wrong with it."""
+    for key, lines in groupby(rows, key=lambda row: str(row["episode"])):
         try:
-            yield _episode(key, list(lines))
+            yield key, _episode(key, list(lines))
         except (ValueError, TypeError, KeyError) as error:
-            if isinstance(error, DamagedError):
-                raise
-            raise DamagedError(f"{folder / EPISODES}: episode {key} cannot be read ({error})") from None
+            yield key, str(error) if isinstance(error, DamagedError) else f"cannot be read ({error})"
 
 
 def _rows(episode: StoredEpisode) -> Iterator[dict[str, Any]]:

@@ -12,7 +12,7 @@ from sqlalchemy import Connection, Engine, create_engine, event, inspect, text
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, DatabaseError
 
-from palpate.store.errors import StoreError
+from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.outages import tell_outages
 
 __all__ = ["LATEST", "changing", "connect", "migrate", "revision", "up_to_date", "writing"]
@@ -95,14 +95,15 @@ def changing(engine: Engine) -> Iterator[Connection]:
 
     Raises
     ------
-    StoreError
+    UnavailableError
         If the database does not take it.
     """
     try:
         with writing(engine).begin() as connection:
             yield connection
     except DatabaseError as error:
-        raise StoreError(f"store {engine.url!r}: {error.orig}; nothing was changed") from None
+        told = f"store {engine.url!r}: {' '.join(str(error.orig).split())}"
+        raise UnavailableError(f"{told}; nothing was changed") from None
 
 
 def revision(connection: Connection) -> str | None:

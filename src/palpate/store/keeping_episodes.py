@@ -12,8 +12,9 @@ from sqlalchemy.exc import DatabaseError, IntegrityError
 from palpate.store import schema
 from palpate.store.database import writing
 from palpate.store.episodes import StoredEpisode, check_episode, episode_from
-from palpate.store.errors import StoreError
+from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.filters import digest_bytes
+from palpate.store.outages import patiently
 from palpate.store.records import Receipt
 from palpate.store.registry import Lookup, Registry, thing_of
 from palpate.store.rows import microseconds
@@ -37,17 +38,18 @@ def put_episode(store: Store, episode: StoredEpisode) -> Receipt:
     ------
     StoreError
         If it may not be kept (see `palpate.store.episodes.check_episode`), a recording of its steps is not in the
-        store, or its id belongs to another episode; nothing of it is in the store then.
+        store, or its id belongs to another episode; nothing of it is in the store then. It is an `UnavailableError`
+        where the database cannot be used.
     """
     check_episode(episode)
     for attempt in range(1, ATTEMPTS + 1):
         try:
-            with writing(store.engine).begin() as connection:
-                return _put(connection, episode)
+            return patiently(lambda: _transaction(store, episode))
         except DatabaseError as error:
             # somebody else has just put the same, and the next look finds it
             if not isinstance(error, IntegrityError) or attempt == ATTEMPTS:
-                raise StoreError(f"store {store.engine.url!r}: {error.orig}; nothing was kept") from None
+                told = f"store {store.engine.url!r}: {' '.join(str(error.orig).split())}"
+                raise UnavailableError(f"{told}; nothing was kept") from None
     raise AssertionError("the last attempt returns or raises")
 
 
@@ -117,6 +119,11 @@ def documents_of(connection: Connection, episode: int) -> list[str]:
     steps = schema.episode_steps.c
     asked = select(steps.document).where(steps.episode_id == episode).order_by(steps.position)
     return list(connection.scalars(asked))
+
+
+def _transaction(store: Store, episode: StoredEpisode) -> Receipt:
+    with writing(store.engine).begin() as connection:
+        return _put(connection, episode)
 
 
 def _put(connection: Connection, episode: StoredEpisode) -> Receipt:

@@ -19,7 +19,7 @@ from palpate.store.records import Recording
 if TYPE_CHECKING:
     from pyarrow.parquet import FileMetaData, ParquetFile
 
-__all__ = ["ArchiveRow", "archive_rows", "check_archive", "read_archive", "stated_count"]
+__all__ = ["ArchiveRow", "archive_rows", "check_archive", "opened_table", "read_archive", "stated_count"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ def archive_rows(folder: Path) -> Iterator[ArchiveRow]:
     """
     check_archive(folder)
     path = folder / RECORDINGS
-    with _opened(path) as table:
+    with opened_table(path) as table:
         if not table.schema_arrow.equals(recordings_schema()):
             raise StoreError(f"{path}: has other columns, expected those of version {VERSION}")
         metadata = table.metadata
@@ -75,7 +75,7 @@ def archive_rows(folder: Path) -> Iterator[ArchiveRow]:
 
 
 def stated_count(folder: Path) -> int:
-    """How many recordings an archive states that it has.
+    """How many recordings and episodes an archive states that it has.
 
     Raises
     ------
@@ -105,13 +105,13 @@ def check_archive(folder: Path) -> None:
 
 
 def _manifest(folder: Path) -> tuple[Any, int, Mapping[str, Any]]:
-    """Version, number of recordings, and the digest of each table."""
+    """Version, number of recordings and episodes, and the digest of each table."""
     path = folder / MANIFEST
     try:
         manifest = json.loads(path.read_text(encoding="utf-8"))
         written = manifest["sha256"]
         digests = {name: written[name] for name in (*TABLES, *(name for name in MORE_TABLES if name in written))}
-        return manifest["version"], int(manifest["recordings"]), digests
+        return manifest["version"], int(manifest["recordings"]) + int(manifest.get("episodes", 0)), digests
     except FileNotFoundError:
         raise StoreError(f"{path}: is missing, expected the folder of an archive") from None
     except (ValueError, TypeError, KeyError, RecursionError):
@@ -119,7 +119,7 @@ def _manifest(folder: Path) -> tuple[Any, int, Mapping[str, Any]]:
 
 
 @contextmanager
-def _opened(path: Path, metadata: FileMetaData | None = None) -> Iterator[ParquetFile]:
+def opened_table(path: Path, metadata: FileMetaData | None = None) -> Iterator[ParquetFile]:
     """A table; what is wrong with it is a `DamagedError`."""
     from pyarrow import ArrowException
     from pyarrow.parquet import ParquetFile
@@ -132,7 +132,7 @@ def _opened(path: Path, metadata: FileMetaData | None = None) -> Iterator[Parque
 
 
 def _rows(path: Path, metadata: FileMetaData, group: int, columns: Sequence[str] | None = None) -> list[dict[str, Any]]:
-    with _opened(path, metadata) as table:
+    with opened_table(path, metadata) as table:
         rows: list[dict[str, Any]] = table.read_row_group(group, columns=columns).to_pylist()
     return rows
 

@@ -8,14 +8,10 @@ from functools import partial
 from pathlib import Path
 
 from palpate.store.archive import MANIFEST, NAME, RECORDINGS
-from palpate.store.archive_episodes import EPISODES, read_episodes
-from palpate.store.archive_things import OBJECTS, import_things
-from palpate.store.episodes import StoredEpisode
-from palpate.store.errors import StoreError, UnavailableError
+from palpate.store.importing.archive_more import more_of_archive
 from palpate.store.importing.folder import JOURNAL
-from palpate.store.importing.items import Fate, Item, Outcome
+from palpate.store.importing.items import Item, Outcome
 from palpate.store.importing.reading_folder import read_folder, stated_digest
-from palpate.store.keeping_episodes import put_episode
 from palpate.store.reading_archive import archive_rows, stated_count
 from palpate.store.store import Store
 
@@ -41,7 +37,7 @@ class Archives:
             return (path / RECORDINGS).exists() or NAME in opened.read(BEGINNING)
 
     def count(self, path: Path) -> int:
-        """As many as the manifest states."""
+        """As many recordings and episodes as the manifest states."""
         return stated_count(path)
 
     def items(self, path: Path) -> Iterator[Item]:
@@ -52,21 +48,7 @@ class Archives:
 
     def put_more(self, path: Path, store: Store) -> Iterator[Outcome]:
         """What is said of objects, and the episodes; what the store has or says already stays."""
-        if (path / OBJECTS).is_file():
-            for reason in import_things(store, path):
-                yield Outcome(str(path), Fate.REFUSED, reason)
-        if (path / EPISODES).is_file():
-            for episode in read_episodes(path):
-                yield _put_episode(store, episode, f"{path}: episode {episode.id}")
-
-
-def _put_episode(store: Store, episode: StoredEpisode, source: str) -> Outcome:
-    try:
-        return Outcome(source, Fate.NEW if put_episode(store, episode).new else Fate.KNOWN)
-    except UnavailableError:
-        raise
-    except StoreError as error:
-        return Outcome(source, Fate.REFUSED, str(error))
+        return more_of_archive(store, path)
 
 
 class RecordingFolders:
