@@ -88,6 +88,8 @@ def check_thing(thing: ThingRef) -> None:
     check_name("thing.id", thing.id)
     check_text("thing.maker", thing.maker)
     check_text("thing.common_name", thing.common_name)
+    if not isinstance(thing.attributes, Mapping):
+        raise StoreError(f"thing.attributes: found {type(thing.attributes).__name__}, expected names with values")
     check_json("thing.attributes", thing.attributes)
     for place, alias in enumerate(thing.aliases):
         check_name(f"thing.aliases[{place}]", alias)
