@@ -107,10 +107,10 @@ def test_what_is_not_used_is_told(template: Template) -> None:
     specimens = drawn(template.network, 20, 6)
     bare = [Specimen("x", {"metal": "zinc", "density": 7.0}, specimens[0].readings)]
     found = fit(template, specimens + bare)
-    assert found.properties["metal"].note == "1 more of objects whose kind is not known"
+    assert found.properties["metal"].note == "not used: 1 of objects whose kind is not known"
     assert found.properties["density"].note == ""
-    assert found.actions["look"].note == "2 more of objects whose kind is not known"
-    assert found.actions["weigh"].note == "2 more of objects whose mass is not known"
+    assert found.actions["look"].note == "not used: 2 of objects whose kind is not known"
+    assert found.actions["weigh"].note == "not used: 2 of objects whose mass is not known"
 
 
 def test_numbers_that_are_nowhere(tmp_path: Path) -> None:

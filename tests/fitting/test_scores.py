@@ -138,3 +138,17 @@ def test_progress_is_told(tmp_path: Path) -> None:
     template = read_template(workshop(tmp_path))
     held_out_scores(template, drawn(template.network, 9, 8), folds=3, told=lambda done, of: told.append((done, of)))
     assert told == [(0, 3), (1, 3), (2, 3)]
+
+
+def test_a_slip_of_the_pen_is_not_scored(tmp_path: Path) -> None:
+    """A value that the fit leaves out does not outweigh all others; the other objects are scored as ever."""
+    template = read_template(wrong_workshop(tmp_path))
+    first, *others = drawn(network_of(tmp_path), 60, 9)
+    slipped = replace(
+        first, truth={**first.truth, "volume": 1e5}, readings={**first.readings, "scratch": (Reading(99.0),)}
+    )
+    scores = held_out_scores(template, [slipped, *others], folds=3)
+    for key in (("property", "volume"), ("action", "scratch")):
+        assert scores[key].objects == 59
+        assert scores[key].difference > 0
+    assert scores["property", "density"].objects == 60

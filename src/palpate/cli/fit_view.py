@@ -66,9 +66,13 @@ def _score(score: Score | None) -> tuple[str, str, str]:
 
 def _notes(fitted: Fitted) -> Iterator[str]:
     parts: list[tuple[str, PropertyPart | SensorPart]] = [*fitted.properties.items(), *fitted.actions.items()]
+    named: dict[str, list[str]] = {}
     for name, part in parts:
         if part.note:
-            yield f"{name}: {part.note}"
+            named.setdefault(part.note, []).append(name)
+    for note, names in named.items():
+        yield f"{', '.join(names)}: {note}"
+    for name, part in parts:
         if part.left_out:
             yield f"{name}: too far out, and left out: {', '.join(part.left_out)}"
     for name, sensor in fitted.actions.items():

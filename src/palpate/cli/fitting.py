@@ -37,7 +37,7 @@ class From:
         """Refuse both, none, and options of the one with the other."""
         if (self.store is None) == (self.csv is None):
             found = "both --store and --csv" if self.csv else "neither --store nor --csv"
-            raise PalpateError(f"network fit: {found} were found, expected one of them")
+            raise PalpateError(f"network fit: found {found}; expected one of them")
         if self.csv is None and (self.readings or self.columns):
             raise PalpateError("--csv-readings, --column: for tables alone, expected --csv")
         if self.csv is not None and (self.wanted or self.blobs):
@@ -100,6 +100,11 @@ def fit_network(like: str, data_from: From, output: Path, settings: Settings, fo
     template = read_template(like)
     data = data_from.read(template.network)
     fitted = fit(template, data.specimens, settings)
+    if not fitted.estimated:
+        raise PalpateError(
+            f"network fit: found {len(data.specimens)} objects that say nothing of the network; expected objects with "
+            "known properties and the states of their parents, or readings of these properties"
+        )
     scores = _scores(template, data, settings, folds) if folds else {}
     made = Provenance(like, _command(like, data_from, settings, output), __version__, moment or _last(data))
     _write(output, document(template, fitted, data, settings, made, output.stem))

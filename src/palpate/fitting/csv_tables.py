@@ -122,7 +122,9 @@ def _check_column(network: Network, header: Row, name: str, column: Column, othe
     if column.property is None or column.property not in network.properties:
         hint = near(column.property, network.properties)
         wanted = choices([OBJECT, *network.properties])
-        raise header.error(name, f"found no property {column.property!r}{hint}; {wanted}, or say what it holds")
+        raise header.error(
+            name, f"found no property {column.property!r}{hint}; {wanted}, or say with --column what it holds"
+        )
     if column.property in others:
         raise header.error(name, f"found a second column of {column.property!r}; expected one")
     prop = network.property(column.property)

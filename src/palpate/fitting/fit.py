@@ -82,7 +82,7 @@ def fit_property(
         return prop, PropertyPart(None, note=KEPT)
     fitted, part = _fit_property(network, prop, specimens, settings)
     without = sum(prop.name in one.truth and not _placed(prop, one) for one in specimens)
-    told = f"{without} more of objects whose {' or '.join(prop.parents)} is not known" if without else ""
+    told = f"not used: {without} of objects whose {' or '.join(prop.parents)} is not known" if without else ""
     return fitted, replace(part, note="; ".join(note for note in (part.note, told) if note))
 
 
@@ -115,7 +115,7 @@ def fit_sensor(
     fitted, part = _fit_sensor(network, action, specimens, settings)
     measured = action.sensor.property
     without = sum(len(one.readings.get(action.name, ())) for one in specimens if measured not in one.truth)
-    told = f"{without} more of objects whose {measured} is not known" if without else ""
+    told = f"not used: {without} of objects whose {measured} is not known" if without else ""
     return fitted, replace(part, note="; ".join(note for note in (part.note, told) if note))
 
 

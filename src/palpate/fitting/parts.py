@@ -97,3 +97,10 @@ class Fitted:
     network: Network
     properties: Mapping[str, PropertyPart] = field(default_factory=dict)
     actions: Mapping[str, SensorPart] = field(default_factory=dict)
+
+    @property
+    def estimated(self) -> tuple[str, ...]:
+        """Names of the properties and actions that have new numbers, or counts."""
+        properties = [name for name, part in self.properties.items() if part.counts is not None and part.objects]
+        sensors = [name for name, part in self.actions.items() if part.counts is not None or part.bias is not None]
+        return (*properties, *sensors)

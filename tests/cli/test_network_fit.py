@@ -1,0 +1,133 @@
+"""`palpate network fit`: from files to a file, whole or not at all."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from palpate.network.reading import load_network, read_document
+from palpate.store.opening import open_store
+from tests.fitting.made_up import drawn, fill, network_of, workshop, write_csv
+from tests.fitting.test_template import BLANK
+
+
+@pytest.fixture
+def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a template, a store and tables of 40 objects."""
+    network = network_of(tmp_path)
+    specimens = drawn(network, 40, 1)
+    write_csv(tmp_path, network, specimens)
+    with open_store(tmp_path / "store.sqlite", durable=False) as store:
+        fill(store, network, specimens)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def files(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir()}
+
+
+def test_from_tables(run: Any, lab: Path) -> None:
+    """Tables give a network that is valid; counts, scores and what was odd are told."""
+    fitted = run("network", "fit", "--like", "workshop.toml", "--csv", "objects.csv", "--csv-readings", "readings.csv",
+                 "-o", "own.toml", "--folds", "4")  # fmt: skip
+    assert fitted.code == 0
+    for part in (
+        "40 objects from csv objects.csv, csv readings.csv",
+        "density",
+        "40, 80",
+        "mean error",
+        "own.toml: written",
+    ):
+        assert part in fitted.out
+    assert run("network", "check", "own.toml").code == 0
+    provenance = read_document("own.toml").section("provenance").tables
+    assert "--csv objects.csv --csv-readings readings.csv" in str(provenance["command"])
+    assert "date" not in provenance
+
+
+def test_from_a_store(run: Any, lab: Path) -> None:
+    """A store gives the same numbers as the tables, and the date of its last recording."""
+    run("network", "fit", "--like", "workshop.toml", "--csv", "objects.csv", "--csv-readings", "readings.csv",
+        "-o", "tables.toml", "--folds", 0)  # fmt: skip
+    fitted = run("network", "fit", "--like", "workshop.toml", "--store", "store.sqlite", "-o", "own.toml", "--folds", 0)
+    assert fitted.code == 0
+    assert "log2 p" not in fitted.out
+    one, other = (read_document(name).tables for name in ("tables.toml", "own.toml"))
+    for key in ("properties", "actions"):
+        assert one[key] == other[key]
+    assert read_document("own.toml").section("provenance").tables["date"] == "2024-05-01"
+
+
+def test_a_template_without_numbers(run: Any, lab: Path) -> None:
+    """Structure alone is enough, as all numbers are in the data."""
+    workshop(lab, BLANK)
+    fitted = run("network", "fit", "--like", "workshop.toml", "--store", "store.sqlite", "-o", "own.toml", "--date",
+                 "2026-01-31", "--folds", 3)  # fmt: skip
+    assert fitted.code == 0
+    assert "without parents" in fitted.out
+    assert list(load_network("own.toml").actions) == ["look", "weigh", "scratch"]
+    assert read_document("own.toml").section("provenance").tables["date"] == "2026-01-31"
+
+
+def test_a_filter_is_in_the_command(run: Any, lab: Path) -> None:
+    """Which readings were used is part of the provenance; with none of them, sensors stay as they are."""
+    fitted = run("network", "fit", "--like", "workshop.toml", "--store", "store.sqlite", "-o", "own.toml",
+                 "--gripper", "soft", "--since", "2024-01-01", "--keep", "kind", "--folds", 0)  # fmt: skip
+    assert "look, weigh, scratch: as in the template: no data" in fitted.out
+    command = read_document("own.toml").section("provenance").text("command")
+    assert "--gripper soft --since 2024-01-01 --pseudo-count 0.2 --keep kind --output own.toml" in command
+
+
+CSV = ("--csv", "objects.csv", "--csv-readings", "readings.csv")
+REFUSED = {
+    "nothing": ((), "network fit: found neither --store nor --csv; expected one of them"),
+    "both": (("--store", "store.sqlite", *CSV), "network fit: found both --store and --csv"),
+    "no store": (("--store", "nowhere.sqlite"), "--store: there is no file nowhere.sqlite"),
+    "no table": (("--csv", "nowhere.csv"), "nowhere.csv: found a file that cannot be read"),
+    "gripper": ((*CSV, "--gripper", "soft"), "--gripper: for a store alone, expected --store"),
+    "readings": (("--store", "store.sqlite", "--csv-readings", "readings.csv"), "for tables alone, expected --csv"),
+    "column": ((*CSV, "--column", "mass"), "--column: 'mass' was found, expected COLUMN=PROPERTY"),
+    "since": (("--store", "store.sqlite", "--since", "soon"), "--since: 'soon' was found"),
+    "date": ((*CSV, "--date", "soon"), "--date: 'soon' was found, expected a date such as 2024-05-01"),
+    "count": ((*CSV, "--pseudo-count", "0"), "pseudo-count: found 0; expected a number above 0"),
+    "keep": ((*CSV, "--keep", "wiegh"), "keep: found 'wiegh' (did you mean 'weigh'?)"),
+    "folds": ((*CSV, "--folds", "1"), "folds: found 1; expected 2 at least"),
+    "empty": (("--csv", "empty.csv"), "found 0 objects that say nothing of the network"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_is_wrong_is_refused(run: Any, lab: Path, case: str) -> None:
+    """Bad options and files are one sentence and exit code 2, and no file is made or changed."""
+    (lab / "empty.csv").write_text("object\n")
+    options, message = REFUSED[case]
+    before = files(lab)
+    assert message in run("network", "fit", "--like", "workshop.toml", *options, "-o", "own.toml").refused
+    assert files(lab) == before
+
+
+def test_a_template_that_is_not_there_and_an_output_that_cannot_be(run: Any, lab: Path) -> None:
+    """The template and the place of the output are checked first."""
+    assert "did you mean 'household'?" in run("network", "fit", "--like", "houshold", *CSV, "-o", "own.toml").refused
+    refused = run("network", "fit", "--like", "workshop.toml", *CSV, "-o", "nowhere/own.toml").refused
+    assert "--output: the folder nowhere does not exist" in refused
+
+
+def test_an_output_is_replaced_whole(run: Any, lab: Path) -> None:
+    """A file that is there stays where a fit fails, and is replaced where it does not; it may be the template."""
+    before = (lab / "workshop.toml").read_text()
+    assert run("network", "fit", "--like", "workshop.toml", "--csv", "no.csv", "-o", "workshop.toml").code == 2
+    assert (lab / "workshop.toml").read_text() == before
+    assert run("network", "fit", "--like", "workshop.toml", *CSV, "-o", "workshop.toml", "--folds", 0).code == 0
+    assert "provenance" in (lab / "workshop.toml").read_text()
+
+
+def test_a_password_stays_secret(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The command in the file does not hold the password of a database."""
+    from palpate.cli.fitting import From, _command
+    from palpate.fitting.settings import Settings
+
+    told = _command("household", From(store="postgresql+psycopg://ann:secret@host/lab"), Settings(), Path("own.toml"))
+    assert "postgresql+psycopg://ann:***@host/lab" in told
+    assert "secret" not in told
