@@ -53,12 +53,9 @@ def test_from_a_store(run: Any, lab: Path) -> None:
     fitted = run("network", "fit", "--like", "workshop.toml", "--store", "store.sqlite", "-o", "own.toml", "--folds", 0)
     assert fitted.code == 0
     assert "log2 p" not in fitted.out
-    # in a store an object is named with its dataset
-    own = Path("own.toml")
-    own.write_text(own.read_text(encoding="utf-8").replace("made_up/", ""), encoding="utf-8")
-    one, other = (read_document(name).tables for name in ("tables.toml", "own.toml"))
-    for key in ("properties", "actions"):
-        assert one[key] == other[key]
+    # objects of a store are named with their dataset
+    one, other = (Path(name).read_text().split("[provenance]")[0] for name in ("tables.toml", "own.toml"))
+    assert one.replace('name = "tables"', 'name = "own"') == other.replace("made_up/", "")
     assert read_document("own.toml").section("provenance").tables["date"] == "2024-05-01"
 
 

@@ -160,10 +160,30 @@ def test_the_constant_of_the_heavy_fit() -> None:
 
 
 @pytest.mark.parametrize(
-    "readings", [(), (Reading(1.0), Reading(2.0)), (Above(1.0),) * 9, (Reading(10.0),) * 5], ids=str
+    "readings",
+    [(), (Reading(1.0), Reading(2.0)), (Above(1.0),) * 9, (Reading(10.0),) * 5, (*[Reading(10.0)] * 3, Above(5.0))],
+    ids=str,
 )
 def test_too_few_readings_leave_the_template(readings: tuple[AdmittedOutcome, ...]) -> None:
     """Fewer than three readings that are no bounds, or none with an error, are no data."""
     sensor, part = fit_noise("weigh", SENSOR, [Specimen("a", {"mass": 10.0}, {"weigh": readings})])
     assert sensor is SENSOR
     assert part.bias is None
+
+
+@pytest.mark.parametrize("right", [3, 20, 60])
+def test_readings_that_are_rounded(right: int) -> None:
+    """Where most readings are right to the last digit, the noise is at least that of rounding, and nothing is lost."""
+    errors = [0.0] * right + [1.0, -1.0] * 10
+    readings = tuple(Reading(10.0 + error) for error in errors)
+    sensor, part = fit_noise("weigh", SENSOR, [Specimen("a", {"mass": 10.0}, {"weigh": readings})])
+    assert part.left_out == ()
+    assert sensor.sd == pytest.approx(np.sqrt(20 / len(errors)), rel=1e-3)
+
+
+def test_a_single_error_is_the_noise() -> None:
+    """One reading that is off among others that are right to the last digit is not left out: nothing would be left."""
+    readings = (*[Reading(10.0)] * 9, Reading(10.5))
+    sensor, part = fit_noise("weigh", SENSOR, [Specimen("a", {"mass": 10.0}, {"weigh": readings})])
+    assert part.bias is not None
+    assert sensor.sd == pytest.approx(np.sqrt(0.25 / 10), rel=1e-3)

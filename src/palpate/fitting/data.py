@@ -11,6 +11,7 @@ import numpy as np
 from palpate.errors import choices, near
 from palpate.fitting.errors import FittingError
 from palpate.network.admission import AdmittedOutcome
+from palpate.network.document import is_number
 from palpate.network.families import Gamma, LogNormal
 from palpate.network.model import Network
 from palpate.network.properties import CategoricalProperty, ContinuousProperty, DerivedProperty, Property
@@ -101,10 +102,10 @@ def true_value(prop: Property, value: str | float, unit: str | None = None) -> s
                 f"found the unknown state {value!r} of {prop.name!r}{near(value, prop.states)}; {choices(prop.states)}"
             )
         return str(value)
-    number = math.nan if isinstance(value, str) else float(value)
-    if not math.isfinite(number):
+    number = math.nan if isinstance(value, str) else float(value) * unit_factor(unit, prop.unit)
+    # a network file takes no larger ones
+    if not is_number(number) or math.isnan(number):
         raise FittingError(f"found {value!r}; expected a finite number of {prop.name!r} [{prop.unit}]")
-    number *= unit_factor(unit, prop.unit)
     if isinstance(prop, ContinuousProperty):
         _check_support(prop, number)
     return number

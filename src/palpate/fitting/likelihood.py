@@ -78,7 +78,8 @@ def most_likely(
     middle, unit = start
 
     def at(point: Array) -> tuple[float, float, float]:
-        spread = max(floor, unit * float(np.exp(np.clip(point[1], -30, 30))))
+        # in quadrature: beyond a sharp limit all costs would be the same, and the search lost
+        spread = float(np.hypot(floor, unit * np.exp(np.clip(point[1], -30, 30))))
         location = middle + unit * float(point[0])
         inside, spread = form.settled(location, spread)
         return inside, spread, abs(location - inside) / spread

@@ -19,7 +19,7 @@ from palpate.fitting.data import Specimen
 from palpate.fitting.likelihood import maximise
 from palpate.fitting.parts import Bias, SensorPart
 from palpate.fitting.readings import Readings, readings_of
-from palpate.fitting.robust import FEWEST, LEAST, SURE
+from palpate.fitting.robust import FEWEST, LEAST, SURE, resolution
 from palpate.network.sensors import NormalNoise, NumberSensor, StudentTNoise
 
 __all__ = ["TOO_FEW", "fit_noise"]
@@ -41,10 +41,12 @@ NEGLIGIBLE = 1e-3
 def fit_noise(action: str, sensor: NumberSensor, specimens: Sequence[Specimen]) -> tuple[NumberSensor, SensorPart]:
     """Fit a sensor; it stays as it is where there are too few readings."""
     readings = readings_of(action, sensor, specimens)
-    if int(readings.exact.sum()) < TOO_FEW or not np.any(readings.value != readings.truth):
+    if int(readings.exact.sum()) < TOO_FEW or not np.any(_errors(readings)):
         return sensor, SensorPart(objects=len(readings.names), readings=len(readings.value))
     used = _plausible(sensor, readings)
     kept = readings.only(used)
+    if not np.any(_errors(kept)):
+        used, kept = np.ones_like(used), readings
     found, _ = _most_likely(sensor, kept, biased=False)
     part = SensorPart(
         objects=len(set(kept.thing.tolist())),
@@ -54,6 +56,11 @@ def fit_noise(action: str, sensor: NumberSensor, specimens: Sequence[Specimen]) 
         bias=_bias(sensor, kept),
     )
     return _rounded(found, kept), part
+
+
+def _errors(readings: Readings) -> Array:
+    """Readings that are no bounds, less the true values."""
+    return np.asarray((readings.value - readings.truth)[readings.exact])
 
 
 def _plausible(sensor: NumberSensor, readings: Readings) -> NDArray[np.bool_]:
@@ -72,14 +79,15 @@ def _plausible(sensor: NumberSensor, readings: Readings) -> NDArray[np.bool_]:
 def _most_likely(sensor: NumberSensor, readings: Readings, *, biased: bool) -> tuple[NumberSensor, float]:
     """The sensor of the largest likelihood, and its bias, which is 0 unless it is fitted too."""
     parts = [name for name in PARTS if getattr(sensor, name) > 0]
-    start = _start(sensor, readings, parts)
-    unit = max(start.values())
-    first = float(np.median((readings.value - readings.truth)[readings.exact])) if biased else 0.0
-    size = float(np.median(np.abs(readings.value - readings.truth)[readings.exact])) or unit
+    errors = _errors(readings)
+    size = float(np.median(np.abs(errors)) or np.abs(errors).max())
+    # readings tell no less noise than they are rounded by
+    start, least = (_shared_out(noise, readings, parts) for noise in (size, resolution(errors)))
+    first = float(np.median(errors)) if biased else 0.0
 
     def at(point: Array) -> tuple[NumberSensor, float]:
         scales = np.exp(np.clip(point[: len(parts)], -20, 20))
-        values = {name: start[name] * float(scale) for name, scale in zip(parts, scales, strict=True)}
+        values = {name: float(np.hypot(least[name], start[name] * s)) for name, s in zip(parts, scales, strict=True)}
         return _with_parts(sensor, values), first + size * float(point[-1]) if biased else 0.0
 
     def cost(point: Array) -> float:
@@ -110,13 +118,11 @@ def _shared(sensor: NumberSensor, bias: float, readings: Readings) -> float:
     return float(readings.log_likelihoods(sensor, bias).sum() + swap.sum())
 
 
-def _start(sensor: NumberSensor, readings: Readings, parts: Sequence[str]) -> dict[str, float]:
-    """The noise shared evenly among its parts."""
-    exact = readings.exact
-    error = np.abs(readings.value - readings.truth)[exact]
-    share = (float(np.median(error)) or float(error.max())) / np.sqrt(len(parts))
-    size = float(np.median(np.abs(readings.truth[exact])))
-    return {name: share / (size or 1.0) if name == "relative_sd" else share for name in parts}
+def _shared_out(noise: float, readings: Readings, parts: Sequence[str]) -> dict[str, float]:
+    """Noise of a size shared evenly among its parts."""
+    share = float(noise) / np.sqrt(len(parts))
+    size = float(np.median(np.abs(readings.truth[readings.exact]))) or 1.0
+    return {name: share / size if name == "relative_sd" else share for name in parts}
 
 
 def _bias(sensor: NumberSensor, readings: Readings) -> Bias:

@@ -20,8 +20,8 @@ class Settings:
     ----------
     pseudo_count
         Added to each count of a table, above zero. The default lies between Perks' 1 / K and Jeffreys' 1 / 2 for tables
-        of ten states, most of which never occur; with 30 to 300 objects drawn from the shipped networks no other of
-        0.05, 0.1, 0.5 and 1 had better log scores on new objects over all tables.
+        of ten states, most of which never occur. With 30, 100 and 300 objects drawn from the shipped networks, its log
+        score on new objects, summed over all tables, was the best of 0.05, 0.1, 0.2, 0.5 and 1, or within 0.002 bits.
     keep
         Properties and actions whose numbers stay those of the template.
     """
