@@ -41,6 +41,7 @@ REFUSED = [
     ({"visibility": "secret"}, "visibility: found 'secret'; choose from 'private', 'lab', 'public'"),
     ({"thing": ThingRef("", "a")}, "thing.dataset: is empty"),
     ({"thing": ThingRef("a", "b", attributes={"x": float("inf")})}, "thing.attributes.x: found inf"),
+    ({"thing": ThingRef("a", "b", attributes=[])}, "thing.attributes: found list, expected names"),  # type: ignore[arg-type]
     ({"thing": ThingRef("a", "b", aliases=("",))}, r"thing.aliases\[0\]: is empty"),
     ({"setup": Setup(arm=GRIPPER)}, "setup.arm.kind: found 'gripper', expected 'arm'"),
     ({"setup": Setup(other=(Device("hand", "x"),))}, r"setup.other\[0\].kind: found 'hand'"),

@@ -99,14 +99,17 @@ class Store:
             If one is no digest. It is an `UnavailableError` where the database cannot be asked.
         """
         asked = [_bytes_of(digest) for digest in digests]
-        column, found = schema.recordings.c.digest, set[str]()
         try:
-            with self.engine.connect() as connection:
-                for start in range(0, len(asked), CHUNK):
-                    rows = connection.execute(select(column).where(column.in_(asked[start : start + CHUNK])))
-                    found.update(digest.hex() for digest in rows.scalars())
+            return patiently(lambda: self._known(asked))
         except DatabaseError as error:
             raise UnavailableError(f"store {self.engine.url!r}: {error.orig}") from None
+
+    def _known(self, asked: Sequence[bytes]) -> set[str]:
+        column, found = schema.recordings.c.digest, set[str]()
+        with self.engine.connect() as connection:
+            for start in range(0, len(asked), CHUNK):
+                rows = connection.execute(select(column).where(column.in_(asked[start : start + CHUNK])))
+                found.update(digest.hex() for digest in rows.scalars())
         return found
 
     def get(self, key: UUID | str) -> Recording:
