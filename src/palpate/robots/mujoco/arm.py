@@ -106,7 +106,8 @@ def _add_link(parent: mujoco.MjsBody, link: Link) -> mujoco.MjsBody:
 def _add_servo(spec: mujoco.MjSpec, link: Link) -> None:
     large = link.torque_nm > 20
     servo = spec.add_actuator(name=link.name, target=link.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
-    servo.set_to_position(kp=4000.0 if large else 1200.0, kv=240.0 if large else 40.0)
+    # commanded by speed, so that set points move smoothly between commands: jumps would shake off what is held
+    servo.set_to_intvelocity(kp=4000.0 if large else 1200.0, kv=240.0 if large else 40.0)
     servo.forcelimited, servo.forcerange = mujoco.mjtLimited.mjLIMITED_TRUE, [-link.torque_nm, link.torque_nm]
 
 

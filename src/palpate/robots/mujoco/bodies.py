@@ -23,7 +23,7 @@ import numpy as np
 from palpate.errors import choices
 from palpate.robots.mujoco.errors import BenchError
 from palpate.robots.mujoco.furniture import PLACE_M, TABLE_BIT
-from palpate.robots.mujoco.gripper import PAD_BIT
+from palpate.robots.mujoco.gripper import PAD_BIT, PAD_FRICTION, PAD_SOLIMP, PAD_SOLREF
 from palpate.robots.mujoco.objects import BenchObject, Look, Part
 from palpate.robots.mujoco.shapes import Mesh, lathe, tube
 from palpate.robots.mujoco.textures import PATTERNS, add_texture
@@ -33,7 +33,8 @@ __all__ = ["RACK_MM", "add_object"]
 CORE_BIT = 2
 PLATE_KG = 2e-4
 # As a plate feels it along its spring only: keeps the springs slow enough for the time step, and weighs nothing.
-PLATE_INERTIA_KG = 0.02
+PLATE_INERTIA_KG = 0.2
+PLATE_DAMPING = 0.3
 MOST_STRAIN = 0.8
 """Beyond it, foam is as good as solid."""
 RACK_MM = 18.0
@@ -64,13 +65,14 @@ def _add_plate(core: mujoco.MjsBody, thing: BenchObject, name: str, side: float)
     joint = plate.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, -side, 0])
     stiffness = 2 * thing.stiffness_n_per_mm * 1e3  # [N/m]
     joint.stiffness = [stiffness, 0, 0]
-    joint.armature, joint.damping = PLATE_INERTIA_KG, [2 * (stiffness * PLATE_INERTIA_KG) ** 0.5, 0, 0]
+    joint.armature, joint.damping = PLATE_INERTIA_KG, [2 * PLATE_DAMPING * (stiffness * PLATE_INERTIA_KG) ** 0.5, 0, 0]
     joint.limited, joint.range = mujoco.mjtLimited.mjLIMITED_TRUE, [-1e-3, MOST_STRAIN * half_width]
     face = plate.add_geom(name=f"{name}_plate", type=mujoco.mjtGeom.mjGEOM_BOX)
     face.size = [thing.contact_mm[0] / 2e3, half_thick, thing.contact_mm[1] / 2e3]
     face.mass, face.group = PLATE_KG, 4
     face.contype, face.conaffinity = 0, PAD_BIT
-    face.condim, face.friction = 4, [1.0, 0.01, 0.0001]
+    face.condim, face.friction = 4, PAD_FRICTION
+    face.solref, face.solimp = PAD_SOLREF, PAD_SOLIMP
 
 
 def _add_part(spec: mujoco.MjSpec, core: mujoco.MjsBody, name: str, part: Part, bottom_m: float) -> None:

@@ -24,13 +24,13 @@ def add_furniture(spec: mujoco.MjSpec) -> None:
     _set_light(spec)
     _add_materials(spec)
     world = spec.worldbody
-    floor = world.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[4, 4, 0.1], pos=[0, 0, FLOOR_M], material="floor")
-    wall = world.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.02, 4, 1.6], pos=[-1.1, 0, 0.8], material="wall")
+    floor = world.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[7, 7, 0.1], pos=[0, 0, FLOOR_M], material="floor")
+    wall = world.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.02, 7, 2.6], pos=[-1.1, 0, 1.8], material="wall")
     for geom in (floor, wall):
         geom.contype = geom.conaffinity = 0
     _add_table(world)
     # the camera looks at the object from the side away from the arm
-    _add_camera(world, CAMERA, eye=(1.02, -0.33, 0.36), at=(PLACE_M[0], 0.0, 0.085), fovy_deg=32)
+    _add_camera(world, CAMERA, eye=(1.16, -0.36, 0.42), at=(PLACE_M[0], 0.0, 0.085), fovy_deg=23)
     _add_camera(world, OVERVIEW, eye=(1.45, -1.25, 0.78), at=(0.22, 0.02, 0.22), fovy_deg=36)
 
 
@@ -38,7 +38,7 @@ def _set_light(spec: mujoco.MjSpec) -> None:
     width, height = IMAGE_SIZE
     view = spec.visual
     view.global_.offwidth, view.global_.offheight = 2 * width, 2 * height
-    view.quality.shadowsize, view.quality.offsamples = 2048, 4
+    view.quality.shadowsize, view.quality.offsamples = 4096, 4
     view.map.znear, view.map.zfar = 0.02, 12.0
     view.headlight.ambient, view.headlight.diffuse, view.headlight.specular = [0.34] * 3, [0.26] * 3, [0.0] * 3
     spec.stat.extent, spec.stat.center = 1.0, [0.3, 0, 0.2]
@@ -53,7 +53,7 @@ def _set_light(spec: mujoco.MjSpec) -> None:
 
 def _add_materials(spec: mujoco.MjSpec) -> None:
     add_texture(spec, "wood_top", _planks(), flat=True)
-    top = spec.add_material(name="table", rgba=[1, 1, 1, 1], specular=0.25, shininess=0.3, reflectance=0.06)
+    top = spec.add_material(name="table", rgba=[1, 1, 1, 1], specular=0.25, shininess=0.3)
     top.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "wood_top"
     plain = {
         "floor": ([0.42, 0.43, 0.45, 1], 0.1, 0.1),

@@ -10,11 +10,16 @@ import mujoco
 
 __all__ = [
     "FORCE_RANGE_N",
+    "PAD_BIT",
+    "PAD_FRICTION",
     "PAD_MM",
     "PAD_TO_TIP_M",
     "PALM_TO_PAD_M",
+    "PAD_SOLIMP",
+    "PAD_SOLREF",
     "POSITION_STEP_MM",
     "STROKE_MM",
+    "TIP_BIT",
     "add_gripper",
 ]
 
@@ -27,6 +32,10 @@ PAD_MM = (22.0, 37.5)
 """Width and height of a pad: assumed."""
 PALM_TO_PAD_M, PAD_TO_TIP_M = 0.130, 0.022
 
+PAD_FRICTION = [1.0, 0.01, 0.0001]
+"""Rubber on most things, and a little against turning on the spot: assumed."""
+# Hard: an object gives way by its springs and not by its contacts, to 1 % at 150 kPa.
+PAD_SOLREF, PAD_SOLIMP = [0.004, 1.0], [0.98, 0.995, 0.001, 0.5, 2.0]
 PAD_BIT, TIP_BIT = 4, 8
 """Bits of `contype`: pads touch only the plates of an object, the tip only what is knocked at."""
 
@@ -51,7 +60,7 @@ def add_gripper(spec: mujoco.MjSpec, flange: mujoco.MjsBody) -> None:
     closing.wrap_joint("left", 1.0)
     closing.wrap_joint("right", 1.0)
     drive = spec.add_actuator(name="grip", target="closing", trntype=mujoco.mjtTrn.mjTRN_TENDON)
-    drive.set_to_position(kp=20000.0, kv=400.0)
+    drive.set_to_intvelocity(kp=20000.0, kv=400.0)
     drive.forcelimited, drive.forcerange = mujoco.mjtLimited.mjLIMITED_TRUE, [-FORCE_RANGE_N[1], FORCE_RANGE_N[1]]
 
 
@@ -67,9 +76,8 @@ def _add_finger(palm: mujoco.MjsBody, name: str, side: float) -> None:
     pad = finger.add_geom(name=f"{name}_pad", type=mujoco.mjtGeom.mjGEOM_BOX, material="rubber")
     pad.size, pad.pos = [width, 0.004, height], [0, side * 0.004, 0]
     pad.contype, pad.conaffinity, pad.mass, pad.group = PAD_BIT, 0, 0.0, 1
-    # rubber on most things, and edges that resist turning: assumed
-    pad.condim, pad.friction = 4, [1.0, 0.01, 0.0001]
-    pad.solref, pad.solimp = [0.004, 1.0], [0.98, 0.995, 0.001, 0.5, 2]
+    pad.condim, pad.friction = 4, PAD_FRICTION
+    pad.solref, pad.solimp = PAD_SOLREF, PAD_SOLIMP
     _look(finger, mujoco.mjtGeom.mjGEOM_BOX, "black", [0.011, 0.005, 0.028], [0, side * 0.012, -0.004])
     bar = _look(finger, mujoco.mjtGeom.mjGEOM_CAPSULE, "ring", [0.008, 0, 0])
     bar.fromto = [0, side * 0.018, 0.008, 0, side * 0.018, -0.052]

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from palpate.robots.mujoco.arm import LINKS
 from palpate.robots.mujoco.errors import BenchError
+from palpate.robots.mujoco.gripper import STROKE_MM
 from palpate.robots.mujoco.scene import ARM, STEP_S, Scene
 
 __all__ = ["TICK_S", "Motion", "reach"]
@@ -83,32 +84,36 @@ class Motion:
         self.scene = scene
         self.watch = watch
 
-    def tick(self) -> None:
-        """Let one tick pass."""
+    def tick(self, speed_rad_s: Vector | float = 0.0, closing_mm_s: float = 0.0) -> None:
+        """Let one tick pass, while set points move at these speeds."""
+        self.scene.data.ctrl[:ARM] = speed_rad_s
+        self.scene.data.ctrl[ARM] = closing_mm_s / 1e3
         self.scene.step(STEPS)
         if self.watch:
             self.watch(self.scene)
 
     def go(self, target_rad: Vector) -> None:
         """Move all joints together with least jerk, none of them faster than its share of the published limit."""
-        start = self.scene.angles_rad
+        scene = self.scene
+        start = scene.angles_rad
         way = target_rad - start
         limits = np.array([link.speed_rad_s for link in LINKS])
         duration = max(0.15, float((np.abs(way) / limits).max()) * PEAK / SPEED_SHARE)
         ticks = int(np.ceil(duration / TICK_S))
-        for count in range(1, ticks + 1):
-            x = count / ticks
-            wanted = start + way * x**3 * (10 - 15 * x + 6 * x**2)
-            self.scene.data.ctrl[:ARM] = wanted + self.scene.sag_rad()
-            self.tick()
+        x = np.arange(ticks + 1) / ticks
+        places = start + np.outer(x**3 * (10 - 15 * x + 6 * x**2), way)
+        speeds = np.outer(30 * (x * (1 - x)) ** 2 / (ticks * TICK_S), way)
+        for count in range(ticks):
+            ahead = places[count] + scene.lag_rad(speeds[count])
+            after = places[count + 1] + scene.lag_rad(speeds[count + 1])
+            scene.data.act[:ARM] = ahead + scene.sag_rad()
+            self.tick((after - ahead) / TICK_S)
+        scene.data.act[:ARM] = target_rad + scene.sag_rad()
 
     def hold(self, target_rad: Vector, wait_s: float, trim: float = 0.25) -> None:
         """Stay there, and shift the set points until the weight of what is held no longer bends the pose."""
-        scene = self.scene
-        shift = scene.data.ctrl[:ARM] - target_rad
         for _ in range(round(wait_s / TICK_S)):
-            shift = shift + trim * (target_rad - scene.angles_rad)
-            scene.data.ctrl[:ARM] = target_rad + shift
+            self.scene.data.act[:ARM] += trim * (target_rad - self.scene.angles_rad)
             self.tick()
 
     def rest(self, wait_s: float) -> None:
@@ -118,13 +123,9 @@ class Motion:
 
     def set_gap(self, gap_mm: float, speed_mm_s: float = 100.0, until: Callable[[Scene], bool] | None = None) -> None:
         """Drive the gripper to a gap at a speed, or until something is so."""
-        from palpate.robots.mujoco.gripper import STROKE_MM
-
-        scene = self.scene
-        closed, aim = 1e3 * float(scene.data.ctrl[ARM]), STROKE_MM - gap_mm
-        ticks = max(1, int(np.ceil(abs(aim - closed) / (speed_mm_s * TICK_S))))
-        for count in range(1, ticks + 1):
-            scene.data.ctrl[ARM] = (closed + (aim - closed) * count / ticks) / 1e3
-            self.tick()
-            if until is not None and until(scene):
+        way_mm = STROKE_MM - gap_mm - 1e3 * float(self.scene.data.act[ARM])
+        ticks = max(1, int(np.ceil(abs(way_mm) / (speed_mm_s * TICK_S))))
+        for _ in range(ticks):
+            self.tick(closing_mm_s=way_mm / (ticks * TICK_S))
+            if until is not None and until(self.scene):
                 return

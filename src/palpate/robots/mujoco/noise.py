@@ -37,14 +37,14 @@ class BenchNoise:
         Relative SD of modes' frequencies and decays; noise of the microphone by the sound's peak: assumed.
     pixel_sd
         Noise of the camera, of 255: assumed.
-    place_sd_mm, turn_sd_deg
-        How differently objects are put down before an image: assumed.
+    place_sd_mm, turn_sd_deg, light_sd
+        How differently objects are put down before an image, and relative SD of the lamps: assumed.
     miss_probability, drop_probability, slip_probability
         That the fingers close above the object, that it falls as it is lifted, and that it slips while it is held or
         squeezed: assumed.
     """
 
-    torque_sd_nm: float = 0.0166
+    torque_sd_nm: float = 0.0159
     torque_drift_nm_per_s: float = 2e-4
     torque_offset_nm: float = 0.05
     force_sd_n: float = 0.15
@@ -58,6 +58,7 @@ class BenchNoise:
     pixel_sd: float = 1.5
     place_sd_mm: float = 8.0
     turn_sd_deg: float = 10.0
+    light_sd: float = 0.05
     miss_probability: float = 0.01
     drop_probability: float = 0.01
     slip_probability: float = 0.01

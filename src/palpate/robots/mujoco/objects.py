@@ -56,6 +56,8 @@ class BenchObject:
         Width and height of what the pads can meet; the contact is no larger than a pad.
     wall_mm
         Thickness of what rings when it is knocked.
+    knock_mm
+        Where on top it is knocked at, from the middle.
     rack
         Whether it stands between two ledges, as it would fall over.
     """
@@ -69,6 +71,7 @@ class BenchObject:
     grip_width_mm: float
     contact_mm: tuple[float, float] = PAD_MM
     wall_mm: float = 3.0
+    knock_mm: tuple[float, float] = (0.0, 0.0)
     rack: bool = False
     parts: tuple[Part, ...] = ()
 

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from palpate.robots.mujoco.arm import HOME_RAD, LINKS, add_arm
 from palpate.robots.mujoco.bodies import add_object
 from palpate.robots.mujoco.furniture import add_furniture
-from palpate.robots.mujoco.gripper import STROKE_MM, TIP_BIT, add_gripper
+from palpate.robots.mujoco.gripper import PAD_FRICTION, STROKE_MM, TIP_BIT, add_gripper
 from palpate.robots.mujoco.objects import BenchObject
 
-__all__ = ["STEP_S", "Scene", "build"]
+__all__ = ["GRAVITY_M_S2", "STEP_S", "Scene", "build"]
 
-STEP_S = 0.002
+STEP_S, GRAVITY_M_S2 = 0.002, 9.80665
 ARM = len(LINKS)
 Vector = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ def build(thing: BenchObject | None) -> mujoco.MjSpec:
     spec.modelname = "bench"
     spec.compiler.degree = False
     option = spec.option
-    option.timestep = STEP_S
+    option.timestep, option.gravity = STEP_S, [0, 0, -GRAVITY_M_S2]
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     # Friction holds an object for seconds without creeping only with elliptic cones, a hard
     # tangential direction, and a few sweeps that take the rest of the slip out.
@@ -59,8 +59,7 @@ class Scene:
         mujoco.mj_resetData(self.model, self.data)
         self.data.qpos[:ARM] = self.home_rad
         mujoco.mj_forward(self.model, self.data)
-        self.data.ctrl[:ARM] = self.home_rad + self.sag_rad()
-        self.data.ctrl[ARM] = 0.0
+        self.data.act[:ARM] = self.home_rad + self.sag_rad()
 
     @property
     def angles_rad(self) -> Vector:
@@ -92,6 +91,20 @@ class Scene:
         stiffness = self.model.actuator_gainprm[:ARM, 0]
         return np.array(self.data.qfrc_bias[:ARM] / stiffness)
 
+    def lag_rad(self, speed_rad_s: Vector) -> Vector:
+        """By how much they must lie ahead, so that the arm does not lag behind while it moves."""
+        stiffness, damping = self.model.actuator_gainprm[:ARM, 0], -self.model.actuator_biasprm[:ARM, 2]
+        return np.asarray(damping / stiffness * speed_rad_s)
+
+    def at(self, angles_rad: Vector) -> mujoco.MjData:
+        """Where everything would be with the arm at these angles."""
+        data = mujoco.MjData(self.model)
+        data.qpos[:] = self.data.qpos
+        data.qpos[:ARM] = angles_rad
+        mujoco.mj_kinematics(self.model, data)
+        mujoco.mj_comPos(self.model, data)
+        return data
+
     def step(self, steps: int) -> None:
         """Let time pass."""
         mujoco.mj_step(self.model, self.data, steps)
@@ -99,10 +112,14 @@ class Scene:
     def let_tip_touch(self, touches: bool) -> None:
         """Whether the closed fingers' tip meets the object; while they grip, it does not."""
         outline = self.model.geom("outline").id
-        bits = int(self.model.geom_conaffinity[outline])
-        self.model.geom_conaffinity[outline] = bits | TIP_BIT if touches else bits & ~TIP_BIT
+        # the engine looks at bodies first, and then at their geoms
+        for bits, place in (
+            (self.model.geom_conaffinity, outline),
+            (self.model.body_conaffinity, self.model.geom_bodyid[outline]),
+        ):
+            bits[place] = bits[place] | TIP_BIT if touches else bits[place] & ~TIP_BIT
 
     def set_friction(self, share: float) -> None:
         """Make the pads as slippery as this share of their friction."""
         for name in ("left_pad", "right_pad", "near_plate", "far_plate"):
-            self.model.geom(name).friction[:] = np.array([1.0, 0.01, 0.0001]) * max(share, 1e-3)
+            self.model.geom(name).friction[:] = np.array(PAD_FRICTION) * max(share, 1e-3)
