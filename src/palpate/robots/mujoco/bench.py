@@ -24,6 +24,7 @@ READY_M = (0.30, 0.0, 0.42)
 CLEARANCE_M = 0.03
 GRIP_SHARE = 0.25
 """The gripper closes until its least force, or by this share of the width: so it neither drops nor crushes things."""
+LEAST_GRIP_N = 1.0
 Vector = NDArray[np.float64]
 
 
@@ -95,6 +96,7 @@ class Bench:
         self.scene.reset()
         self.scene.set_friction(1.0)
         self.scene.let_tip_touch(False)
+        self.scene.keep_force(None)
         self.scene.data.xfrc_applied[:] = 0.0
 
     def draw_mishap(self) -> Mishap:
@@ -124,7 +126,9 @@ class Bench:
         return there
 
     def close_gripper(self) -> None:
-        """Close on the object."""
+        """Close on the object, and keep the force: if it is lost, the fingers close altogether."""
         firm_mm = (1 - GRIP_SHARE) * self.thing.grip_width_mm
         self.motion.set_gap(firm_mm, 60.0, until=lambda scene: scene.grip_n >= FORCE_RANGE_N[0])
-        self.motion.rest(0.15)
+        self.motion.rest(0.1)
+        self.scene.keep_force(max(self.scene.grip_n, LEAST_GRIP_N))
+        self.motion.rest(0.1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from palpate.robots.mujoco.bench import CLEARANCE_M, Bench
 from palpate.robots.mujoco.furniture import PLACE_M
@@ -17,6 +18,8 @@ __all__ = ["DURATION_S", "RATE_HZ", "knock"]
 
 RATE_HZ = 44100.0
 DURATION_S, BEFORE_S = 1.0, 0.1
+LEVEL = 0.5
+"""Peak of what is recorded, of 1."""
 TAP_S = 0.25
 TOUCH_STEPS = 10
 """Time steps that count as the knock: afterwards the arm only leans on the object."""
@@ -38,9 +41,16 @@ def knock(bench: Bench) -> SoundSignals:
         bench.rng,
         noise.sound_spread,
     )
+    return SoundSignals(_recorded(bench, sound), RATE_HZ, impulse)
+
+
+def _recorded(bench: Bench, sound: NDArray[np.float64]) -> NDArray[np.float64]:
+    """As a microphone with automatic gain and 16 bits has it, with its noise, and silence before."""
     samples = np.concatenate([np.zeros(round(BEFORE_S * RATE_HZ)), sound])
-    floor = noise.sound_floor * np.abs(samples).max() * bench.rng.standard_normal(len(samples))
-    return SoundSignals(samples + floor, RATE_HZ, impulse)
+    peak = float(np.abs(samples).max())
+    loud = LEVEL * samples / peak if peak > 0 else samples
+    noisy = loud + LEVEL * bench.noise.sound_floor * bench.rng.standard_normal(len(samples))
+    return np.asarray(np.round(np.clip(noisy, -1, 1) * 32767) / 32767)
 
 
 def _tap(bench: Bench) -> float:

@@ -16,7 +16,7 @@ from palpate.robots.mujoco.errors import BenchError
 from palpate.robots.mujoco.objects import BenchObject, Look, Part
 from palpate.robots.mujoco.sound import Substance
 
-__all__ = ["FORMAT", "SHIPPED", "bench_object"]
+__all__ = ["FORMAT", "SHIPPED", "bench_object", "read_roles"]
 
 FORMAT = "palpate-bench/1"
 SHIPPED = Path(__file__).parents[2] / "data" / "bench" / "objects.toml"
@@ -69,6 +69,17 @@ def bench_object(network: Network, name: str, path: str | Path = SHIPPED) -> Ben
             "parts": parts,
         },
     )
+
+
+def read_roles(path: str | Path = SHIPPED) -> dict[str, str]:
+    """Names of the properties that the bench takes for mass, elasticity and substance; BenchError if it cannot be read.
+
+    Examples
+    --------
+    >>> read_roles()["substance"]
+    'material'
+    """
+    return _Document(Path(path)).roles()
 
 
 class _Document:

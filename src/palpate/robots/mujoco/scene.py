@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from palpate.robots.mujoco.arm import HOME_RAD, LINKS, add_arm
 from palpate.robots.mujoco.bodies import add_object
 from palpate.robots.mujoco.furniture import add_furniture
-from palpate.robots.mujoco.gripper import PAD_FRICTION, STROKE_MM, TIP_BIT, add_gripper
+from palpate.robots.mujoco.gripper import FORCE_RANGE_N, PAD_FRICTION, STROKE_MM, TIP_BIT, add_gripper
 from palpate.robots.mujoco.objects import BenchObject
 
 __all__ = ["GRAVITY_M_S2", "STEP_S", "Scene", "build"]
@@ -118,6 +118,13 @@ class Scene:
             (self.model.body_conaffinity, self.model.geom_bodyid[outline]),
         ):
             bits[place] = bits[place] | TIP_BIT if touches else bits[place] & ~TIP_BIT
+
+    def keep_force(self, force_n: float | None) -> None:
+        """Let the gripper close with this force [N] whatever the gap; None lets it follow its set point again."""
+        most = FORCE_RANGE_N[1] if force_n is None else force_n
+        self.model.actuator_forcerange[ARM] = [-FORCE_RANGE_N[1], most]
+        if force_n is not None:
+            self.data.act[ARM] = STROKE_MM / 1e3
 
     def set_friction(self, share: float) -> None:
         """Make the pads as slippery as this share of their friction."""

@@ -37,11 +37,18 @@ class HoldSignals:
 
 @dataclass(frozen=True, eq=False)
 class WeighSignals:
-    """A weighing: a hold for each joint that the weight turns, and the gripper's gap when the hold began and ended."""
+    """A weighing: a hold for each joint that the weight turns, and the gripper's gap when the hold began and ended.
+
+    The gripper keeps its force, so that a gap of nothing says that it holds nothing.
+    """
 
     holds: tuple[HoldSignals, ...]
     gap_mm: tuple[float, float]
-    empty_gap_mm: float
+
+    @property
+    def holds_something(self) -> bool:
+        """Whether something was between the fingers from beginning to end."""
+        return min(self.gap_mm) > 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +75,7 @@ class SqueezeSignals:
 
 @dataclass(frozen=True, eq=False)
 class SoundSignals:
-    """A knock as a microphone hears it: samples, (n,), and what the knock was like."""
+    """A knock as a microphone hears it: samples between -1 and 1, (n,), and the impulse [N s] of the fingertip."""
 
     samples: Samples
     rate_hz: float

@@ -50,7 +50,7 @@ def weigh(bench: Bench) -> WeighSignals:
         )
         for joint in joints
     )
-    return WeighSignals(holds, (gap_before, bench.scene.gap_mm), 0.0)
+    return WeighSignals(holds, (max(gap_before, 0.0), max(bench.scene.gap_mm, 0.0)))
 
 
 def _empty_torques(bench: Bench, pose: Vector) -> Vector:
