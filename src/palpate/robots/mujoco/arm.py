@@ -1,8 +1,8 @@
 """A 7-DoF arm like Kinova's Gen3, from published figures and simple shapes.
 
 Frames, masses, inertia, joint limits and torque limits are those of Kinova's Gen3 user guide ("Dynamic parameters of
-the 7 DoF robot", "Actuators"), in the digits in which Kinova publishes them for ROS (kortex_description, arms/gen3/7dof,
-with vision module). The shapes are this project's own and stand for no drawing; so are the gains of the servos.
+the 7 DoF robot", "Actuators"), in the digits in which Kinova publishes them for ROS (package kortex_description, arm
+gen3, 7 DoF, with vision module). Shapes, the servos' gains and the rotors' inertia are this project's own: assumed.
 """
 
 from __future__ import annotations
@@ -150,9 +150,7 @@ def _capsule(
     geom.size = [radius, 0, 0]
 
 
-def _cylinder(
-    body: mujoco.MjsBody, radius: float, half: float, at: tuple[float, float, float], material: str
-) -> None:
+def _cylinder(body: mujoco.MjsBody, radius: float, half: float, at: tuple[float, float, float], material: str) -> None:
     geom = _shape(body, mujoco.mjtGeom.mjGEOM_CYLINDER, material)
     geom.size, geom.pos = [radius, half, 0], at
 

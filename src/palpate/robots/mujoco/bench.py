@@ -90,6 +90,10 @@ class Bench:
         """Time [s] since the bench was set up; it goes on when the scene is reset."""
         return self._clock_s + float(self.scene.data.time)
 
+    def wait(self, time_s: float) -> None:
+        """Let time [s] pass in which nothing moves."""
+        self._clock_s += time_s
+
     def reset(self) -> None:
         """Put the object back and the arm to rest."""
         self._clock_s = self.clock_s

@@ -1,8 +1,8 @@
 """An object's body in physics.
 
-Contacts of a rigid-body engine have no stiffness of their own, so the object has one: a core that carries mass, shape and
-look, and a plate on either side where the gripper's pads meet it, each on a spring of 2 k. The two in a row give way like
-one elastic block between two plates, k = E A / L.
+Contacts of a rigid-body engine have no stiffness of their own, so the object has one: a core that carries mass, shape
+and look, and a plate on either side where the gripper's pads meet it, each on a spring of 2 k. The two in a row give
+way like one elastic block between two plates, k = E A / L.
 
 Kinds of parts and their figures [mm], each with `at_mm` (default 0, 0, 0; the middle of the outline's bottom):
 
@@ -33,7 +33,7 @@ __all__ = ["RACK_MM", "add_object"]
 CORE_BIT = 2
 PLATE_KG = 2e-4
 # As a plate feels it along its spring only: keeps the springs slow enough for the time step, and weighs nothing.
-PLATE_INERTIA_KG = 0.2
+PLATE_INERTIA_KG = 0.05
 PLATE_DAMPING = 0.3
 MOST_STRAIN = 0.8
 """Beyond it, foam is as good as solid."""
@@ -41,7 +41,7 @@ RACK_MM = 18.0
 
 
 def add_object(spec: mujoco.MjSpec, thing: BenchObject) -> None:
-    """Add the object, standing at its place on the table: bodies `object`, `near` and `far`, joints of the same names."""
+    """Add the object, standing at its place on the table: bodies `object`, `near` and `far`, with joints so named."""
     length, width, height = (size / 1e3 for size in thing.size_mm)
     core = spec.worldbody.add_body(name="object", pos=[*PLACE_M, height / 2])
     core.add_freejoint(name="object")
@@ -103,13 +103,13 @@ def _ellipsoid(spec: mujoco.MjSpec, geom: mujoco.MjsGeom, name: str, figures: Fi
 def _cylinder(spec: mujoco.MjSpec, geom: mujoco.MjsGeom, name: str, figures: Figures) -> None:
     radius, height = figures["radius_mm"], figures["height_mm"]
     _solid(geom, mujoco.mjtGeom.mjGEOM_CYLINDER, (2 * radius, height, 0))
-    geom.pos = geom.pos + [0, 0, height / 2e3]
+    geom.pos[2] += height / 2e3
 
 
 def _solid(geom: mujoco.MjsGeom, kind: mujoco.mjtGeom, size_mm: Sequence[float]) -> None:
     """Make it of this size; boxes and ellipsoids stand on their lowest point."""
     geom.type, geom.size = kind, [size / 2e3 for size in size_mm]
-    geom.pos = geom.pos + [0, 0, size_mm[2] / 2e3]
+    geom.pos[2] += size_mm[2] / 2e3
 
 
 def _lathe(spec: mujoco.MjSpec, geom: mujoco.MjsGeom, name: str, figures: Figures) -> None:

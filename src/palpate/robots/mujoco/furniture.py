@@ -75,7 +75,7 @@ def _planks() -> Pixels:
     for edge in range(0, 512, 128):
         image[edge : edge + 128] *= rng.uniform(0.94, 1.05)
         image[edge : edge + 2] *= 0.82
-    return np.clip(image, 0, 255).astype(np.uint8)
+    return np.asarray(np.clip(image, 0, 255), dtype=np.uint8)
 
 
 def _add_table(world: mujoco.MjsBody) -> None:

@@ -1,7 +1,7 @@
 """A parallel gripper like Robotiq's 2F-85: one drive closes two fingers by the same way.
 
-Stroke, force and speed are those of the instruction manual of the 2F-85 ("Specifications"): 85 mm, 20 to 235 N, 20 to
-150 mm/s, 0.9 kg. The fingers of the real one swing on linkages; these slide. Lengths are measured off no drawing: assumed.
+Stroke, force, speed and mass are those of the instruction manual of the 2F-85 ("Specifications"): 85 mm, 20 to 235 N,
+20 to 150 mm/s, 0.9 kg. The fingers of the real one swing on linkages; these slide. Lengths are assumed.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ __all__ = [
     "PAD_BIT",
     "PAD_FRICTION",
     "PAD_MM",
-    "PAD_TO_TIP_M",
-    "PALM_TO_PAD_M",
     "PAD_SOLIMP",
     "PAD_SOLREF",
+    "PAD_TO_TIP_M",
+    "PALM_TO_PAD_M",
     "POSITION_STEP_MM",
     "STROKE_MM",
     "TIP_BIT",

@@ -12,15 +12,18 @@ from palpate.robots.mujoco.gripper import PAD_TO_TIP_M
 from palpate.robots.mujoco.motion import reach
 from palpate.robots.mujoco.scene import STEP_S, Scene
 from palpate.robots.mujoco.signals import SoundSignals
-from palpate.robots.mujoco.sound import Knock, ring
+from palpate.robots.mujoco.sound import Knock, modes, ring
 
 __all__ = ["DURATION_S", "RATE_HZ", "knock"]
 
 RATE_HZ = 44100.0
 DURATION_S, BEFORE_S = 1.0, 0.1
+SUPPORT_PER_S = 12.0
+"""Damping by the table: assumed."""
 LEVEL = 0.5
 """Peak of what is recorded, of 1."""
-TAP_S = 0.25
+TAP_S, DEPTH_M = 0.25, 0.012
+UP = np.array([0.0, 0.0, 1.0])
 TOUCH_STEPS = 10
 """Time steps that count as the knock: afterwards the arm only leans on the object."""
 
@@ -31,16 +34,10 @@ def knock(bench: Bench) -> SoundSignals:
     impulse = _tap(bench)
     struck = Knock(impulse, *bench.rng.uniform(0.15, 0.45, 2))
     thing, noise = bench.thing, bench.noise
-    sound = ring(
-        thing.substance,
-        thing.size_mm,
-        thing.wall_mm,
-        struck,
-        RATE_HZ,
-        DURATION_S - BEFORE_S,
-        bench.rng,
-        noise.sound_spread,
-    )
+    table = modes(thing.substance, thing.size_mm, thing.wall_mm, SUPPORT_PER_S)
+    # no object is the plate that stands for it
+    table[:, :2] *= np.exp(noise.sound_spread * bench.rng.standard_normal((len(table), 2)))
+    sound = ring(table, thing.substance.contact_s, struck, RATE_HZ, DURATION_S - BEFORE_S)
     return SoundSignals(_recorded(bench, sound), RATE_HZ, impulse)
 
 
@@ -59,7 +56,7 @@ def _tap(bench: Bench) -> float:
     scene.let_tip_touch(True)
     along, aside = bench.thing.knock_mm
     top = np.array([PLACE_M[0] + along / 1e3, PLACE_M[1] + aside / 1e3, bench.thing.size_mm[2] / 1e3 + PAD_TO_TIP_M])
-    above, below = reach(scene, top + [0, 0, CLEARANCE_M]), reach(scene, top - [0, 0, 0.012])
+    above, below = reach(scene, top + CLEARANCE_M * UP), reach(scene, top - DEPTH_M * UP)
     motion.set_gap(0.0)
     motion.go(above)
     way = below - scene.angles_rad

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from palpate.robots.mujoco.gripper import PAD_MM, STROKE_MM
 from palpate.robots.mujoco.errors import BenchError
+from palpate.robots.mujoco.gripper import PAD_MM, STROKE_MM
 from palpate.robots.mujoco.sound import Substance
 
 __all__ = ["BenchObject", "Look", "Part"]

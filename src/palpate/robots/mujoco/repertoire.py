@@ -22,8 +22,8 @@ Deed = Callable[[Bench], Signals]
 def repertoire(network: Network, roles: Mapping[str, str]) -> dict[str, Deed]:
     """Find the deed for each action by what it measures.
 
-    Actions that see the appearance look; those that measure mass weigh, elasticity squeeze, and what is known by what an
-    object is made of knock. An action that measures anything else is left out.
+    Actions that see the appearance look; those that measure mass weigh, those that measure elasticity squeeze, and
+    those of other categorical properties knock. An action that measures anything else is left out.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ class HoldSignals:
     torque_nm, time_s, empty_torque_nm, empty_time_s
         Samples, (n,) and (k,); all times on one clock.
     lever_m
-        Horizontal distance of the nominal grasp from the joint's axis; positive where a weight asks for a positive torque.
+        Horizontal distance of the nominal grasp from the joint's axis; positive where weight asks for positive torque.
     lever_per_offset
         By how much the lever changes when the object's centre lies further out along the pads by 1.
     """

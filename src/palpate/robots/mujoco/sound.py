@@ -1,9 +1,9 @@
 """The sound of a knock, synthesised from modes.
 
 A struck body rings in modes, each a sinusoid that dies away (van den Doel and Pai 1998, doi 10.1162/105474698565794).
-Frequencies are those of a plate of the object's size, thin and supported at its edges, f = sqrt(E / (12 rho (1 - nu^2)))
-h k^2 / (2 pi) for wave number k; decays follow Rayleigh damping, d = (alpha + beta (2 pi f)^2) / 2, whose coefficients are
-properties of the material and not of the shape (Ren, Yeh and Lin 2013, doi 10.1145/2421636.2421637).
+Frequencies are those of a plate of the object's size, thin and supported at its edges: f = h k^2 sqrt(E / (12 rho (1 -
+nu^2))) / (2 pi) for thickness h and wave number k. Decays follow Rayleigh damping, d = (alpha + beta (2 pi f)^2) / 2,
+whose coefficients belong to the material and not to the shape (Ren, Yeh and Lin 2013, doi 10.1145/2421636.2421637).
 """
 
 from __future__ import annotations
@@ -50,14 +50,22 @@ class Knock:
     up: float = 0.23
 
 
-def modes(substance: Substance, size_mm: tuple[float, float, float], wall_mm: float) -> NDArray[np.float64]:
-    """Frequencies [Hz] and decays [1/s] of the modes, (n, 4) with their two numbers of half waves."""
+def modes(
+    substance: Substance, size_mm: tuple[float, float, float], wall_mm: float, support_per_s: float = 0.0
+) -> NDArray[np.float64]:
+    """Frequencies [Hz] and decays [1/s] of the modes that can be heard, (n, 4) with their two numbers of half waves.
+
+    Parameters
+    ----------
+    support_per_s
+        What it stands on adds this to `alpha_per_s`.
+    """
     length, height = max(size_mm[0], size_mm[1]) / 1e3, size_mm[2] / 1e3
     first, second = (grid.ravel() for grid in np.meshgrid(np.arange(1, 13), np.arange(1, 13), indexing="ij"))
     waves = (np.pi * first / length) ** 2 + (np.pi * second / height) ** 2
     bending = np.sqrt(substance.young_pa / (12 * substance.density_kgm3 * (1 - substance.poisson**2)))
     frequency = bending * wall_mm / 1e3 * waves / (2 * np.pi)
-    decay = (substance.alpha_per_s + substance.beta_s * (2 * np.pi * frequency) ** 2) / 2
+    decay = (substance.alpha_per_s + support_per_s + substance.beta_s * (2 * np.pi * frequency) ** 2) / 2
     found = np.stack([frequency, decay, first, second], axis=1)
     heard = (frequency >= AUDIBLE_HZ[0]) & (frequency <= AUDIBLE_HZ[1])
     found = found[heard] if heard.any() else found[:1]
@@ -65,30 +73,23 @@ def modes(substance: Substance, size_mm: tuple[float, float, float], wall_mm: fl
 
 
 def ring(
-    substance: Substance,
-    size_mm: tuple[float, float, float],
-    wall_mm: float,
-    knock: Knock,
-    rate_hz: float,
-    duration_s: float,
-    rng: np.random.Generator | None = None,
-    spread: float = 0.0,
+    table: NDArray[np.float64], contact_s: float, knock: Knock, rate_hz: float, duration_s: float
 ) -> NDArray[np.float64]:
-    """Sound pressure, in no unit, (n,), from the moment of the knock.
+    """Sound pressure in no particular unit, (n,), from the moment of the knock.
 
     Parameters
     ----------
-    spread
-        Relative SD of each mode's frequency and decay, as no object is the plate that it stands for; needs `rng`.
+    table
+        Modes, as `modes` gives them.
+    contact_s
+        A touch of half a sine of this length excites what is slower than itself.
     """
-    table = modes(substance, size_mm, wall_mm)
-    if rng is not None and spread > 0:
-        table[:, :2] *= np.exp(spread * rng.standard_normal((len(table), 2)))
     frequency, decay = table[:, 0], table[:, 1]
     shape = np.sin(np.pi * table[:, 2] * knock.along) * np.sin(np.pi * table[:, 3] * knock.up)
-    # a touch of half a sine passes what is slower than itself
-    x = 2 * frequency * substance.contact_s
-    pulse = np.abs(np.cos(np.pi * x / 2) / np.where(np.abs(1 - x**2) < 1e-6, 1e-6, 1 - x**2))
+    x = 2 * frequency * contact_s
+    apart = 1 - x**2
+    # the spectrum of half a sine; where x is 1, its limit
+    pulse = np.where(np.abs(apart) < 1e-6, np.pi / 4, np.abs(np.cos(np.pi * x / 2) / np.where(apart == 0, 1, apart)))
     time = np.arange(round(duration_s * rate_hz)) / rate_hz
     amplitude = knock.impulse_ns * shape * pulse * (frequency < 0.45 * rate_hz)
     waves = np.exp(-np.outer(time, decay)) * np.sin(2 * np.pi * np.outer(time, frequency))

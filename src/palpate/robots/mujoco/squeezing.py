@@ -7,16 +7,19 @@ import numpy as np
 from palpate.robots.mujoco.bench import Bench, Mishap
 from palpate.robots.mujoco.gripper import FORCE_RANGE_N, POSITION_STEP_MM, STROKE_MM
 from palpate.robots.mujoco.motion import TICK_S
+from palpate.robots.mujoco.scene import GRAVITY_M_S2
 from palpate.robots.mujoco.signals import SqueezeSignals
 
 __all__ = ["squeeze"]
 
-ROOM_MM = 6.0
-"""How much wider than the object the gripper is when the squeeze begins."""
+ROOM_MM = 7.0
+"""How much wider than the object the gripper is when it begins to close."""
+RUN_UP_STEPS = 3
+"""Steps that are not recorded: the drive's own inertia would be felt in them."""
 MOST_STRAIN = 0.35
 TICKS_A_STEP = 2
 """A position step each fiftieth of a second: 18 mm/s, about the slowest that the gripper can do."""
-PUSH_N = 4.0
+PUSH_N = 2.0
 
 
 def squeeze(bench: Bench) -> SqueezeSignals:
@@ -44,16 +47,16 @@ def _close(bench: Bench, slips_at_mm: float) -> list[tuple[float, float, float]]
     scene, motion = bench.scene, bench.motion
     rows = []
     least_gap = max((1 - MOST_STRAIN) * bench.thing.grip_width_mm, POSITION_STEP_MM)
-    wanted = scene.gap_mm
-    while wanted > least_gap:
-        wanted -= POSITION_STEP_MM
+    steps = int((scene.gap_mm - least_gap) / POSITION_STEP_MM)
+    for step in range(steps):
         for _ in range(TICKS_A_STEP):
             motion.tick(closing_mm_s=POSITION_STEP_MM / (TICKS_A_STEP * TICK_S))
-        rows.append((bench.clock_s, scene.gap_mm, scene.grip_n))
+        if step >= RUN_UP_STEPS:
+            rows.append((bench.clock_s, scene.gap_mm, scene.grip_n))
         if scene.gap_mm < slips_at_mm:
             # it pops out along the pads
             scene.set_friction(0.0)
-            scene.data.body("object").xfrc_applied[0] = PUSH_N
+            scene.data.body("object").xfrc_applied[0] = PUSH_N + 1e-3 * GRAVITY_M_S2 * bench.thing.mass_g
         if scene.grip_n >= FORCE_RANGE_N[0]:
             break
     return rows

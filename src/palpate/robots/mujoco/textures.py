@@ -36,7 +36,7 @@ def noise(rng: np.random.Generator, shape: tuple[int, int], cell: int) -> NDArra
 def mix(light: Colour, dark: Colour, share: NDArray[np.float64]) -> Pixels:
     """Between two colours, by a share of the second at each pixel."""
     shares = share[..., None]
-    return np.clip((1 - shares) * np.asarray(light) + shares * np.asarray(dark), 0, 255).astype(np.uint8)
+    return np.asarray(np.clip((1 - shares) * np.asarray(light) + shares * np.asarray(dark), 0, 255), dtype=np.uint8)
 
 
 def grain(rng: np.random.Generator, shape: tuple[int, int], light: Colour, dark: Colour, streak: int) -> Pixels:

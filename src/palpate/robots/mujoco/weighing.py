@@ -28,7 +28,8 @@ def weigh(bench: Bench) -> WeighSignals:
     """
     pose = reach(bench.scene, np.array(POSE_M))
     empty = _empty_torques(bench, pose)
-    empty_s = bench.clock_s + TICK_S * np.arange(SAMPLES)
+    empty_s: Vector = np.asarray(bench.clock_s + TICK_S * np.arange(1, SAMPLES + 1))
+    bench.wait(TICK_S * SAMPLES)
     mishap = bench.draw_mishap()
     bench.reset()
     _lift(bench, pose, mishap)
