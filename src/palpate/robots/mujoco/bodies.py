@@ -33,11 +33,13 @@ __all__ = ["RACK_MM", "add_object"]
 CORE_BIT = 2
 PLATE_KG = 2e-4
 # As a plate feels it along its spring only: keeps the springs slow enough for the time step, and weighs nothing.
-PLATE_INERTIA_KG = 0.05
+PLATE_INERTIA_KG, FASTEST_RAD_S = 0.05, 350.0
 PLATE_DAMPING = 0.3
 MOST_STRAIN = 0.8
 """Beyond it, foam is as good as solid."""
-RACK_MM = 18.0
+RACK_MM, RACK_HALF_M = 18.0, 0.006
+RACK_ROOM_M = 0.003
+"""Room to either side, so that a gripper that is not quite in the middle does not press against a ledge."""
 
 
 def add_object(spec: mujoco.MjSpec, thing: BenchObject) -> None:
@@ -65,7 +67,8 @@ def _add_plate(core: mujoco.MjsBody, thing: BenchObject, name: str, side: float)
     joint = plate.add_joint(name=name, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=[0, -side, 0])
     stiffness = 2 * thing.stiffness_n_per_mm * 1e3  # [N/m]
     joint.stiffness = [stiffness, 0, 0]
-    joint.armature, joint.damping = PLATE_INERTIA_KG, [2 * PLATE_DAMPING * (stiffness * PLATE_INERTIA_KG) ** 0.5, 0, 0]
+    inertia = max(PLATE_INERTIA_KG, stiffness / FASTEST_RAD_S**2)
+    joint.armature, joint.damping = inertia, [2 * PLATE_DAMPING * (stiffness * inertia) ** 0.5, 0, 0]
     joint.limited, joint.range = mujoco.mjtLimited.mjLIMITED_TRUE, [-1e-3, MOST_STRAIN * half_width]
     face = plate.add_geom(name=f"{name}_plate", type=mujoco.mjtGeom.mjGEOM_BOX)
     face.size = [thing.contact_mm[0] / 2e3, half_thick, thing.contact_mm[1] / 2e3]
@@ -154,6 +157,6 @@ def _add_rack(world: mujoco.MjsBody, thing: BenchObject) -> None:
     height = RACK_MM / 1e3
     for side in (-1.0, 1.0):
         ledge = world.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, material="steel")
-        ledge.size = [0.42 * length, 0.006, height / 2]
-        ledge.pos = [PLACE_M[0], PLACE_M[1] + side * (width / 2 + 0.0075), height / 2]
+        ledge.size = [0.42 * length, RACK_HALF_M, height / 2]
+        ledge.pos = [PLACE_M[0], PLACE_M[1] + side * (width / 2 + RACK_ROOM_M + RACK_HALF_M), height / 2]
         ledge.contype, ledge.conaffinity = TABLE_BIT, TABLE_BIT
