@@ -38,7 +38,7 @@ def _set_light(spec: mujoco.MjSpec) -> None:
     width, height = IMAGE_SIZE
     view = spec.visual
     view.global_.offwidth, view.global_.offheight = 2 * width, 2 * height
-    view.quality.shadowsize, view.quality.offsamples = 4096, 4
+    view.quality.shadowsize, view.quality.offsamples = 2048, 4
     view.map.znear, view.map.zfar = 0.02, 12.0
     view.headlight.ambient, view.headlight.diffuse, view.headlight.specular = [0.34] * 3, [0.26] * 3, [0.0] * 3
     spec.stat.extent, spec.stat.center = 1.0, [0.3, 0, 0.2]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Mesh", "lathe", "tube"]
+__all__ = ["lathe", "tube"]
 
 Mesh = tuple[NDArray[np.float64], NDArray[np.int32]]
 """Corners, (n, 3), and the corners of each triangle, (m, 3), counterclockwise as seen from outside."""

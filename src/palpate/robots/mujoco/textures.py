@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["PATTERNS", "Pixels", "add_texture", "grain"]
+__all__ = ["PATTERNS", "add_texture", "grain"]
 
 Pixels = NDArray[np.uint8]
 """A picture, (height, width, 3)."""
