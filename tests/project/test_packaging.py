@@ -27,7 +27,7 @@ def wanted(file: str) -> set[str]:
     groups = settings["dependency-groups"]
     lists = [settings["project"]["dependencies"], groups["build"]]
     lists += [groups["docs"], groups["dev"]] if file == "dev.txt" else []
-    lists += [settings["project"]["optional-dependencies"]["bench"]] if file == "bench.txt" else []
+    lists += [groups["bench"]] if file == "bench.txt" else []
     texts = [entry for entries in lists for entry in entries if isinstance(entry, str)]
     return {re.split(r"[\[<>=]", text)[0] for text in texts}
 

@@ -1,0 +1,104 @@
+"""What all signals must be before anything is estimated from them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from palpate.errors import PalpateError
+
+__all__ = ["EstimatorError", "SignalError", "correlation_factor", "samples", "together"]
+
+CLIPPED = 0.2
+"""Share of the samples at the largest or least value from which a signal that varies counts as cut off there."""
+
+MOST_ALIKE = 0.98
+
+
+class EstimatorError(PalpateError, ValueError):
+    """A call that cannot be right whatever was measured: arrays that do not belong together, an area below zero."""
+
+
+class SignalError(PalpateError, ValueError):
+    """A signal from which nothing can be estimated; estimators turn it into a failed outcome."""
+
+
+def samples(name: str, values: ArrayLike, *, at_least: int = 1, may_clip: bool = True) -> NDArray[np.float64]:
+    """Samples as an array of numbers, (n,).
+
+    Parameters
+    ----------
+    name
+        What they are, for the message.
+    at_least
+        How many are needed.
+    may_clip
+        Whether many samples at one end are in order, as in a gap that rests when it is closed.
+
+    Raises
+    ------
+    EstimatorError
+        If they are no row of numbers.
+    SignalError
+        If there are too few, some are not finite, or they are cut off.
+
+    Examples
+    --------
+    >>> samples("force_n", [0, 1, 2])
+    array([0., 1., 2.])
+    >>> samples("force_n", [0, float("nan")])
+    Traceback (most recent call last):
+    palpate.estimators.signals.SignalError: force_n: 1 of 2 samples are not finite
+    """
+    try:
+        found = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise EstimatorError(f"{name}: found no numbers, expected samples of shape (n,)") from None
+    if found.ndim != 1:
+        raise EstimatorError(f"{name}: found shape {found.shape}, expected (n,)")
+    if found.size < at_least:
+        raise SignalError(f"{name}: {found.size} samples, at least {at_least} are needed")
+    bad = int(np.count_nonzero(~np.isfinite(found)))
+    if bad:
+        raise SignalError(f"{name}: {bad} of {found.size} samples are not finite")
+    if not may_clip:
+        _check_clipping(name, found)
+    return found
+
+
+def together(**signals: NDArray[np.float64]) -> None:
+    """Refuse signals of different lengths: nobody knows which samples belong together.
+
+    Raises
+    ------
+    EstimatorError
+        Naming them.
+    """
+    lengths = {name: len(values) for name, values in signals.items()}
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        raise EstimatorError(f"signals of different lengths: {told} samples, expected the same number of each")
+
+
+def _check_clipping(name: str, found: NDArray[np.float64]) -> None:
+    low, high = found.min(), found.max()
+    if low == high:
+        return
+    for end, words in ((high, "largest"), (low, "least")):
+        share = float(np.mean(found == end))
+        if share >= CLIPPED and len(np.unique(found)) > 2:
+            raise SignalError(f"{name}: {share:.0%} of the samples are at the {words} value {end:g}: cut off")
+
+
+def correlation_factor(residuals: NDArray[np.float64]) -> float:
+    """By how much the variance of a mean grows where samples resemble their neighbours, (1 + r) / (1 - r) of lag one.
+
+    Examples
+    --------
+    >>> correlation_factor(np.array([1.0, -1.0, 1.0, -1.0]))
+    1.0
+    """
+    power = float(residuals @ residuals)
+    lag = float(residuals[1:] @ residuals[:-1]) / power if power > 0 else 0.0
+    lag = min(max(lag, 0.0), MOST_ALIKE)
+    return (1 + lag) / (1 - lag)

@@ -1,0 +1,252 @@
+"""Weighing: the torques that hold an object up, less those that hold the empty gripper up, give its mass.
+
+At a pose with lever l, tau = m g l + tau0 + drift x t + noise. The grasp is off by an unknown length d, which changes
+the lever by c d; d is normal about zero with a known SD. Mass, offsets and drift are estimated together by generalised
+least squares; the SD of the mass takes in the noise, its correlation in time, and the grasp.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.estimators.signals import EstimatorError, SignalError, correlation_factor, samples, together
+from palpate.outcomes import Failed, Reading
+
+__all__ = ["Hold", "Weighing", "weigh"]
+
+GRAVITY_M_S2 = 9.80665
+LEAST_SAMPLES = 5
+LEFT_BY_STEP, STEP_SDS = 0.5, 6.0
+"""A hold steps where two levels leave this share of the squares that a line leaves, and differ by so many SDs."""
+BELOW_ZERO_SDS = 4.0
+ROUNDS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Hold:
+    """Torques of one joint at one pose, with the object and without.
+
+    Attributes
+    ----------
+    torque_nm, empty_torque_nm
+        Samples [Nm], (n,) and (k,): while the object is held, and at the same pose with the empty, closed gripper.
+    lever_m
+        Horizontal distance [m] of the nominal grasp from the joint's axis; its sign says which way the torque goes.
+    time_s, empty_time_s
+        When the samples were taken [s], on one clock for all holds; needed where drift is estimated.
+    lever_per_offset
+        By how much the lever changes with the offset of the grasp along the gripper's axis; the cosine of the angle
+        between that axis and the horizontal.
+    joint
+        Joints drift each for itself.
+    """
+
+    torque_nm: NDArray[np.float64]
+    empty_torque_nm: NDArray[np.float64]
+    lever_m: float
+    time_s: NDArray[np.float64] | None = None
+    empty_time_s: NDArray[np.float64] | None = None
+    lever_per_offset: float = 1.0
+    joint: str = ""
+
+
+@dataclass(frozen=True)
+class Weighing:
+    """What a weighing gave.
+
+    Attributes
+    ----------
+    outcome
+        The mass in g with its SD, or why there is none.
+    mass_g, sd_g
+        Mass and its SD [g]; NaN where the outcome is failed.
+    noise_sd_g, grasp_sd_g
+        What the noise of the torques and the unknown offset of the grasp contribute to the SD [g].
+    drift_nm_per_s
+        Joint to the drift of its torque.
+    """
+
+    outcome: Reading | Failed
+    mass_g: float = float("nan")
+    sd_g: float = float("nan")
+    noise_sd_g: float = float("nan")
+    grasp_sd_g: float = float("nan")
+    drift_nm_per_s: dict[str, float] = field(default_factory=dict)
+
+
+def weigh(holds: Sequence[Hold], *, grasp_sd_m: float = 0.006, drifts: bool = False) -> Weighing:
+    """Estimate the mass of what is held.
+
+    Parameters
+    ----------
+    holds
+        At least one; several poses whose levers change differently with the grasp tell its offset.
+    grasp_sd_m
+        SD [m] of the offset of the grasp; 6 mm, that of an even spread over +-10 mm, unless given.
+    drifts
+        Whether to estimate a drift of each joint, linear in time. The holds then need time stamps.
+
+    Returns
+    -------
+    Weighing
+        Failed where samples are too few, not finite or cut off, where the object slipped while it was held, or where
+        the mass would be far below zero.
+
+    Raises
+    ------
+    EstimatorError
+        If there is no hold, a lever is zero, or time stamps are missing or do not fit.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(0).normal(0, 0.02, (2, 50))
+    >>> found = weigh([Hold(noise[0] + 0.25 * 9.80665 * 0.4, noise[1], lever_m=0.4)])
+    >>> abs(found.mass_g - 250) < 3 * found.sd_g < 15
+    True
+    """
+    if not holds:
+        raise EstimatorError("holds: found none, expected one at least")
+    try:
+        parts = [_Part.of(place, hold, drifts) for place, hold in enumerate(holds)]
+        return _solved(parts, grasp_sd_m, drifts)
+    except SignalError as error:
+        return Weighing(Failed(str(error)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A hold that was checked."""
+
+    full: NDArray[np.float64]
+    empty: NDArray[np.float64]
+    full_s: NDArray[np.float64]
+    empty_s: NDArray[np.float64]
+    lever_m: float
+    per_offset: float
+    joint: str
+
+    @classmethod
+    def of(cls, place: int, hold: Hold, drifts: bool) -> _Part:
+        where = f"holds[{place}]"
+        if not (np.isfinite(hold.lever_m) and abs(hold.lever_m) > 1e-3):
+            raise EstimatorError(f"{where}.lever_m: found {hold.lever_m}, expected a length of a millimetre or more")
+        full = samples(f"{where}.torque_nm", hold.torque_nm, at_least=LEAST_SAMPLES, may_clip=False)
+        empty = samples(f"{where}.empty_torque_nm", hold.empty_torque_nm, at_least=LEAST_SAMPLES, may_clip=False)
+        if np.ptp(full) == 0.0:
+            raise SignalError(f"{where}.torque_nm: all {full.size} samples are {full[0]:g}: the sensor does not answer")
+        _check_steady(f"{where}.torque_nm", full)
+        full_s = _stamps(f"{where}.time_s", hold.time_s, full, drifts)
+        empty_s = _stamps(f"{where}.empty_time_s", hold.empty_time_s, empty, drifts)
+        return cls(full, empty, full_s, empty_s, hold.lever_m, hold.lever_per_offset, hold.joint)
+
+
+def _stamps(
+    where: str, given: NDArray[np.float64] | None, values: NDArray[np.float64], drifts: bool
+) -> NDArray[np.float64]:
+    if given is None:
+        if drifts:
+            raise EstimatorError(f"{where}: is not given, expected time stamps where drift is estimated")
+        return np.zeros(values.size)
+    found = samples(where, given)
+    together(**{where: found, where.replace("time_s", "torque_nm"): values})
+    return found
+
+
+def _check_steady(where: str, values: NDArray[np.float64]) -> None:
+    """Refuse a hold whose level steps: two levels explain it far better than a line does."""
+    count = values.size
+    if count < 2 * LEAST_SAMPLES:
+        return
+    before = np.arange(LEAST_SAMPLES, count - LEAST_SAMPLES + 1)
+    sums, squares = np.cumsum(values - values.mean()), float(np.sum((values - values.mean()) ** 2))
+    # the sum is zero: (sum before)^2 / n_before + (sum after)^2 / n_after is what the two levels explain
+    explained = sums[before - 1] ** 2 * (1 / before + 1 / (count - before))
+    best = int(np.argmax(explained))
+    left = squares - float(explained[best])
+    line = np.polynomial.Polynomial.fit(np.arange(count), values, 1)
+    of_line = float(np.sum((values - line(np.arange(count))) ** 2))
+    step = float(values[before[best] :].mean() - values[: before[best]].mean())
+    noise = np.sqrt(max(left, 0.0) / (count - 2))
+    if left < LEFT_BY_STEP * of_line and abs(step) > STEP_SDS * noise / np.sqrt(LEAST_SAMPLES):
+        raise SignalError(f"{where}: the torque steps by {step:+.3g} Nm while the object is held: it slipped or fell")
+
+
+def _solved(parts: Sequence[_Part], grasp_sd_m: float, drifts: bool) -> Weighing:
+    """Generalised least squares; the SD of the lever's change depends on the mass, so that is done again with it."""
+    rows, torques, variances = _equations(parts, drifts)
+    weights = 1 / np.sqrt(variances)
+    alone = _least_squares(np.delete(rows, 1, axis=1) * weights[:, None], torques * weights)
+    mass_kg, covariance, solution = alone[0][0], alone[1], alone[0]
+    noise_sd_kg = float(np.sqrt(covariance[0, 0]))
+    if grasp_sd_m > 0:
+        for _ in range(ROUNDS):
+            # u = mass x offset is zero, give or take mass x the SD of the offset
+            sd = max(abs(mass_kg), noise_sd_kg) * grasp_sd_m
+            prior = np.zeros(rows.shape[1])
+            prior[1] = 1 / sd
+            system = np.vstack([rows * weights[:, None], prior])
+            solution, covariance = _least_squares(system, np.append(torques * weights, 0.0))
+            mass_kg = solution[0]
+    sd_kg = float(np.sqrt(covariance[0, 0]))
+    if mass_kg < -BELOW_ZERO_SDS * sd_kg:
+        raise SignalError(f"the mass would be {1e3 * mass_kg:.3g} g, below zero: the lever's sign or the zero is wrong")
+    joints = list(dict.fromkeys(part.joint for part in parts))
+    found = solution[len(solution) - len(joints) :] if drifts else [0.0] * len(joints)
+    return Weighing(
+        Reading(1e3 * float(mass_kg), 1e3 * sd_kg, "g"),
+        1e3 * float(mass_kg),
+        1e3 * sd_kg,
+        1e3 * noise_sd_kg,
+        1e3 * float(np.sqrt(max(sd_kg**2 - noise_sd_kg**2, 0.0))),
+        {joint: float(value) for joint, value in zip(joints, found, strict=True)},
+    )
+
+
+def _equations(
+    parts: Sequence[_Part], drifts: bool
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Rows (n, p), torques (n) and their variances (n): mass, mass x offset, a zero per part, a drift per joint."""
+    joints = list(dict.fromkeys(part.joint for part in parts))
+    count = 2 + len(parts) + (len(joints) if drifts else 0)
+    start = min(min(part.full_s.min(), part.empty_s.min()) for part in parts)
+    rows, torques, variances = [], [], []
+    for place, part in enumerate(parts):
+        for held, values, stamps in ((1.0, part.full, part.full_s), (0.0, part.empty, part.empty_s)):
+            row = np.zeros((values.size, count))
+            row[:, 0] = held * GRAVITY_M_S2 * part.lever_m
+            row[:, 1] = held * GRAVITY_M_S2 * part.per_offset
+            row[:, 2 + place] = 1.0
+            if drifts:
+                row[:, 2 + len(parts) + joints.index(part.joint)] = stamps - start
+            rows.append(row)
+            torques.append(values)
+            variances.append(np.full(values.size, _variance(values, stamps, drifts)))
+    return np.vstack(rows), np.concatenate(torques), np.concatenate(variances)
+
+
+def _variance(values: NDArray[np.float64], stamps: NDArray[np.float64], drifts: bool) -> float:
+    """Variance of a sample about its level, as large as if samples that resemble their neighbours were independent."""
+    residuals = values - values.mean()
+    if drifts and np.ptp(stamps) > 0:
+        residuals = values - np.polynomial.Polynomial.fit(stamps, values, 1)(stamps)
+    power = float(residuals @ residuals)
+    # a resting sensor is no surer than the last digit of a number
+    least = (1e-9 * max(1.0, float(np.abs(values).max()))) ** 2
+    return max(power / (values.size - 1), least) * correlation_factor(residuals)
+
+
+def _least_squares(
+    rows: NDArray[np.float64], values: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The solution, (p), and its covariance, (p, p); EstimatorError where the poses do not determine it."""
+    # columns of one length: masses and torques differ by orders of magnitude
+    scale = np.linalg.norm(rows, axis=0)
+    if not np.all(scale > 0) or np.linalg.matrix_rank(rows / scale) < rows.shape[1]:
+        raise EstimatorError("holds: poses and times do not tell mass, zero and drift apart, expected them to differ")
+    inverse = np.linalg.inv((rows / scale).T @ (rows / scale))
+    solution = inverse @ ((rows / scale).T @ values)
+    return solution / scale, inverse / np.outer(scale, scale)

@@ -1,0 +1,128 @@
+"""From the bench's signals to outcomes, by the estimators that a real robot's signals go through as well."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from palpate.estimators.classifier import Classifier
+from palpate.estimators.signals import SignalError
+from palpate.estimators.sound import features, impact
+from palpate.estimators.squeezing import Jaws, squeeze
+from palpate.estimators.vision import OnnxClassifier
+from palpate.estimators.weighing import Hold, weigh
+from palpate.network.model import Network
+from palpate.outcomes import Failed, Outcome
+from palpate.robots.mujoco import knocking, looking, squeezing, weighing
+from palpate.robots.mujoco.gripper import POSITION_STEP_MM
+from palpate.robots.mujoco.reading import SHIPPED, read_roles
+from palpate.robots.mujoco.repertoire import repertoire
+from palpate.robots.mujoco.signals import ImageSignals, SoundSignals, SqueezeSignals, WeighSignals
+
+__all__ = ["Ears", "Eyes", "Hand", "estimates"]
+
+
+@dataclass(frozen=True)
+class Hand:
+    """How masses and elasticities are estimated.
+
+    Attributes
+    ----------
+    grasp_sd_m
+        SD of the offset of the grasp [m].
+    limit_kpa
+        Readings of elasticity above it are only known to be above [kPa].
+    area_sd
+        Relative SD of the contact area over the width.
+    """
+
+    grasp_sd_m: float = 0.006
+    limit_kpa: float = 95.0
+    area_sd: float = 0.0
+
+    def mass(self, signals: WeighSignals) -> Outcome:
+        """The mass that was held, in g."""
+        if not signals.holds_something:
+            return Failed("nothing is between the fingers: the grasp missed, or the object fell")
+        holds = [
+            Hold(
+                hold.torque_nm,
+                hold.empty_torque_nm,
+                hold.lever_m,
+                hold.time_s,
+                hold.empty_time_s,
+                hold.lever_per_offset,
+                hold.joint,
+            )
+            for hold in signals.holds
+        ]
+        return weigh(holds, grasp_sd_m=self.grasp_sd_m).outcome
+
+    def elasticity(self, signals: SqueezeSignals) -> Outcome:
+        """Young's modulus of what was squeezed, in kPa."""
+        jaws = Jaws(
+            signals.contact_area_mm2,
+            signals.rest_width_mm,
+            limit_kpa=self.limit_kpa,
+            gap_sd_mm=POSITION_STEP_MM / 12**0.5,
+            relative_sd=self.area_sd,
+        )
+        return squeeze(signals.gap_mm, signals.force_n, jaws).outcome
+
+
+@dataclass(frozen=True)
+class Ears:
+    """How a knock is told: a classifier of its features."""
+
+    classifier: Classifier
+
+    def label(self, signals: SoundSignals) -> Outcome:
+        """Probabilities of what rang."""
+        try:
+            return self.classifier.outcome(features(impact(signals.samples, signals.rate_hz)))
+        except SignalError as error:
+            return Failed(str(error))
+
+
+@dataclass(frozen=True)
+class Eyes:
+    """How an image is told: a model for each action that looks."""
+
+    models: Mapping[str, OnnxClassifier] = field(default_factory=dict)
+
+    def of(self, action: str) -> Callable[[ImageSignals], Outcome]:
+        """What makes probabilities of an image for an action."""
+        model = self.models[action]
+        return lambda signals: model.outcome(signals.image)
+
+
+def estimates(
+    network: Network, *, hand: Hand | None = None, ears: Ears | None = None, eyes: Eyes | None = None
+) -> dict[str, Callable[..., Outcome]]:
+    """What makes outcomes of the signals of each action that the bench can do for a network.
+
+    Parameters
+    ----------
+    hand
+        For weighing and squeezing; with the figures of `Hand` unless given.
+    ears, eyes
+        For sounds and images; actions that need what is not given are left out.
+
+    Examples
+    --------
+    >>> from palpate.network.reading import load_network
+    >>> sorted(estimates(load_network("household")))
+    ['squeezing', 'weighing']
+    """
+    hand, eyes = hand or Hand(), eyes or Eyes()
+    found: dict[str, Callable[..., Outcome]] = {}
+    for action, deed in repertoire(network, read_roles(SHIPPED)).items():
+        if deed is weighing.weigh:
+            found[action] = hand.mass
+        elif deed is squeezing.squeeze:
+            found[action] = hand.elasticity
+        elif deed is knocking.knock and ears is not None:
+            found[action] = ears.label
+        elif deed is looking.look and action in eyes.models:
+            found[action] = eyes.of(action)
+    return found
