@@ -81,7 +81,7 @@ $(VENV)/dev.stamp: requirements/dev.txt $(VENV)/run.stamp
 	@$(PIP) install -r requirements/dev.txt
 	@touch $@
 
-$(VENV)/bench.stamp: requirements/bench.txt $(VENV)/run.stamp
+$(VENV)/bench.stamp: requirements/bench.txt $(VENV)/dev.stamp
 	@echo "Adding the benchmark tools to $(VENV) (a minute, once) ..."
 	@$(PIP) install -r requirements/bench.txt
 	@touch $@
