@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from palpate.cli.progress_view import timed
 from palpate.cli.terminal import error_console
 from palpate.figures.wording import plural
 from palpate.store.importing.items import Fate
@@ -30,19 +31,9 @@ def bar(counted: Callable[[], int]) -> Iterator[Callable[[], None]]:
     counted
         Counts the steps; asked only where there is a bar to show.
     """
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     screen = error_console()
-    progress = Progress(
-        *columns,
-        console=screen,
-        transient=True,
-        # what is printed in the same terminal goes above the bar, and what goes to a file goes there
-        redirect_stdout=sys.stdout.isatty(),
-        disable=not screen.is_terminal,
-    )
-    with progress:
+    # what is printed in the same terminal goes above the bar, and what goes to a file goes there
+    with timed(screen, redirect_stdout=sys.stdout.isatty()) as progress:
         task = progress.add_task("Importing", total=None)
         if screen.is_terminal:
             progress.update(task, total=counted())
