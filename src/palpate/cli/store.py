@@ -9,7 +9,8 @@ import typer
 
 from palpate.cli import store_episodes, store_list, store_objects
 from palpate.cli.export import export
-from palpate.cli.store_options import BlobsOption, StoreOption
+from palpate.cli.spreading import spread
+from palpate.cli.store_options import Place
 
 __all__ = ["app"]
 
@@ -25,19 +26,19 @@ def store() -> None:
 
 
 @app.command("show")
+@spread
 def show(
+    place: Place,
     key: Annotated[
         str | None, typer.Argument(metavar="[RECORDING]", help="Id or digest of one recording, to show it whole.")
     ] = None,
-    place: StoreOption = None,
-    blobs: BlobsOption = None,
 ) -> None:
     """Show objects, setups and the last recordings with what was odd about them; or one recording."""
     from palpate.cli.store_view import overview, recording_view
-    from palpate.cli.storing import found_recording, opened
+    from palpate.cli.storing import found_recording
     from palpate.cli.terminal import console
 
-    with opened(place, blobs) as found:
+    with place.opened() as found:
         console().print(overview(found) if key is None else recording_view(found_recording(found, key)))
 
 
@@ -52,23 +53,25 @@ app.command("episode")(store_episodes.episode)
 
 
 @app.command("verify")
-def verify(place: StoreOption = None, blobs: BlobsOption = None) -> None:
+@spread
+def verify(place: Place) -> None:
     """Check every digest and every reference; exit with code 1 where something is not as it was written."""
-    from palpate.cli.storing import opened, tell_faults
+    from palpate.cli.storing import tell_faults
     from palpate.store.verifying import verify as faults_of
 
-    with opened(place, blobs) as found:
+    with place.opened() as found:
         faults = tell_faults(faults_of(found))
     raise typer.Exit(1 if faults else 0)
 
 
 @app.command("repair")
-def repair(place: StoreOption = None, blobs: BlobsOption = None) -> None:
+@spread
+def repair(place: Place) -> None:
     """Verify, and take only steps that cannot lose anything; exit with code 1 where something could not be mended."""
-    from palpate.cli.storing import opened, tell_faults
+    from palpate.cli.storing import tell_faults
     from palpate.store.verifying import repair as mend
 
-    with opened(place, blobs) as found:
+    with place.opened() as found:
         faults = mend(found)
     tell_faults(faults)
     raise typer.Exit(1 if any(fault.remedy is None for fault in faults) else 0)
@@ -78,7 +81,9 @@ app.command("export")(export)
 
 
 @app.command("import")
+@spread
 def import_(
+    place: Place,
     paths: Annotated[list[Path] | None, typer.Argument(metavar="[PATH]...", help="Files, or folders of them.")] = None,
     example: Annotated[bool, typer.Option("--example", help="Import the example that the package ships.")] = False,
     columns: Annotated[
@@ -91,19 +96,16 @@ def import_(
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Print every decision on how a file was read.")
     ] = False,
-    place: StoreOption = None,
-    blobs: BlobsOption = None,
 ) -> None:
     """Put recordings from files into the store; what is there already stays as it is."""
     from palpate.cli.importing import check_paths, formats_of, import_shown
-    from palpate.cli.storing import opened
     from palpate.store.importing.items import Fate
     from palpate.store.importing.own_formats import EXAMPLE
 
     wanted = [*(paths or ()), *([EXAMPLE] if example else [])]
     check_paths(wanted, report)
     formats = formats_of(columns, topics)
-    with opened(place, blobs) as found:
+    with place.opened() as found:
         done = import_shown(found, wanted, formats, report_file=report, verbose=verbose)
     raise typer.Exit(1 if done.count(Fate.REFUSED) else 0)
 
