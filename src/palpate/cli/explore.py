@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from enum import Enum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from palpate.cli.robot_kinds import RobotKind
 from palpate.cli.store_options import BlobsOption, StoreOption
 
-__all__ = ["RobotKind", "explore"]
+__all__ = ["explore"]
 
 LOOP, ROBOT, OUTPUT = "The exploration", "The robot", "What is kept"
-
-
-class RobotKind(Enum):
-    """Who does the actions."""
-
-    SAMPLED = "sampled"
-    REPLAY = "replay"
 
 
 def explore(
@@ -28,7 +21,7 @@ def explore(
     network: Annotated[
         str | None,
         typer.Option(
-            help="Shipped network or TOML file (default: household-filled for the sampled robot, else household).",
+            help="Shipped network or TOML file (default: household for a replay, else household-filled).",
             rich_help_panel=LOOP,
         ),
     ] = None,
@@ -73,7 +66,10 @@ def explore(
     ] = None,
     robot: Annotated[
         RobotKind,
-        typer.Option(help="Draw outcomes from the sensor models, or replay recorded ones.", rich_help_panel=ROBOT),
+        typer.Option(
+            help="Draw outcomes from the sensor models, replay recorded ones, or measure on the bench in physics.",
+            rich_help_panel=ROBOT,
+        ),
     ] = RobotKind.SAMPLED,
     session: Annotated[
         str | None,
@@ -86,6 +82,14 @@ def explore(
     ] = None,
     seed: Annotated[
         int | None, typer.Option(min=0, help="Seed of all chance (default: a new one, shown).", rich_help_panel=ROBOT)
+    ] = None,
+    noise: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUE",
+            help="A parameter of the bench's sensors and grasps, or none for perfect ones.",
+            rich_help_panel=ROBOT,
+        ),
     ] = None,
     timeout: Annotated[
         float | None, typer.Option(help="Longest time an action may take, in seconds.", rich_help_panel=ROBOT)
@@ -124,9 +128,10 @@ def explore(
         repeat=repeat,
         engine=engine,
         preset=preset,
-        replay=robot is RobotKind.REPLAY,
+        robot=robot,
         session=session,
         seed=seed,
+        noise=noise or [],
         timeout_s=timeout,
         log=log,
         plot=plot,

@@ -43,7 +43,7 @@ def explore_object(asked: Asked) -> None:
         check_picture("--plot", asked.plot)
     if asked.log is not None:
         check_writable("--log", asked.log)
-    with keeping(asked, ready) as kept:
+    with ready.using, keeping(asked, ready) as kept:
         steps = _explore(asked, ready, kept)
     if asked.plot is not None:
         _plot(asked.plot, ready, steps)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import secrets
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from palpate.cli import options
 from palpate.cli.engines import engine_words, prior_belief
 from palpate.cli.replaying import is_in_store, replayed
+from palpate.cli.robot_kinds import RobotKind
 from palpate.episode import About
 from palpate.errors import PalpateError, choices
 from palpate.inference.belief import Belief
@@ -45,9 +47,10 @@ class Asked:
     repeat: bool
     engine: str
     preset: str | None
-    replay: bool
+    robot: RobotKind
     session: str | None
     seed: int | None
+    noise: Sequence[str]
     timeout_s: float | None
     log: Path | None
     plot: Path | None
@@ -59,12 +62,11 @@ class Asked:
     def load(self) -> Network:
         """The network asked for, else the one that suits the robot.
 
-        Outcomes are drawn from household-filled, as three columns of a camera's table in household
+        Outcomes are simulated with household-filled, as three columns of a camera's table in household
         are empty and would tell nothing.
         """
-        return load_network(
-            ("household" if self.replay else "household-filled") if self.network is None else self.network
-        )
+        own = "household" if self.robot is RobotKind.REPLAY else "household-filled"
+        return load_network(own if self.network is None else self.network)
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,8 @@ class Ready:
         Where outcomes come from.
     notes
         Decisions taken in recording the session that is replayed.
+    using
+        What the robot holds while it explores, to be let go of afterwards.
     """
 
     prior: Belief
@@ -94,6 +98,18 @@ class Ready:
     about: About
     source: str
     notes: tuple[str, ...] = ()
+    using: AbstractContextManager[object] = field(default_factory=nullcontext)
+
+
+@dataclass(frozen=True)
+class _Acting:
+    """The robot, the object that it measures, where outcomes come from, and what was decided about them."""
+
+    robot: Robot
+    thing: str | None
+    source: str
+    notes: tuple[str, ...] = ()
+    using: AbstractContextManager[object] = field(default_factory=nullcontext)
 
 
 def prepare(asked: Asked) -> Ready:
@@ -117,25 +133,18 @@ def prepare(asked: Asked) -> Ready:
         )
     seed = secrets.randbelow(2**32) if asked.seed is None else asked.seed
     of_policy, of_robot = np.random.default_rng(seed).spawn(2)
-    robot: Robot
-    thing: str | None
-    notes: tuple[str, ...] = ()
-    if asked.replay:
-        found = replayed(asked.session, asked.thing, network, asked.place, asked.blobs)
-        robot, thing, source, notes = found.robot, found.thing, found.source, found.notes
-    else:
-        robot, thing, source = _sampled(asked, network, of_robot)
-    check_robot(network, robot)
+    acting = _acting(asked, network, of_robot)
+    check_robot(network, acting.robot)
     objective = options.objective(network, asked.learn)
     costs_s = options.costs(network, asked.costs)
     policy = options.policy(network, asked.policy)
-    chance = not asked.replay or isinstance(policy, Random) or asked.engine != "exact"
+    chance = asked.robot is not RobotKind.REPLAY or isinstance(policy, Random) or asked.engine != "exact"
     about = About(
         objective=objective.name,
         policy=asked.policy,
         stopping=words,
-        robot="replay" if asked.replay else "sampled",
-        object=thing,
+        robot=asked.robot.value,
+        object=acting.thing,
         seed=seed if chance else None,
         repeat=asked.repeat,
         costs_s=costs_s,
@@ -143,23 +152,43 @@ def prepare(asked: Asked) -> Ready:
     )
     return Ready(
         prior=prior_belief(asked.engine, network, asked.preset, seed),
-        robot=robot,
-        known=network.objects.get(thing) if thing else None,
+        robot=acting.robot,
+        known=network.objects.get(acting.thing) if acting.thing else None,
         objective=objective,
         policy=policy,
         stopping=options.stopping(network, asked.stop, asked.budget_s, asked.steps),
         costs_s=costs_s,
         rng=of_policy,
         about=about,
-        source=source,
-        notes=notes,
+        source=acting.source,
+        notes=acting.notes,
+        using=acting.using,
     )
 
 
-def _sampled(asked: Asked, network: Network, rng: np.random.Generator) -> tuple[Robot, str, str]:
-    """The robot that draws, the object it draws for, and from what."""
+def _acting(asked: Asked, network: Network, rng: np.random.Generator) -> _Acting:
+    """Who does the actions, as ``--robot`` says."""
+    if asked.noise and asked.robot is not RobotKind.MUJOCO:
+        raise PalpateError(f"--noise is only for --robot mujoco, and the robot is {asked.robot.value}")
+    if asked.robot is RobotKind.REPLAY:
+        found = replayed(asked.session, asked.thing, network, asked.place, asked.blobs)
+        return _Acting(found.robot, found.thing, found.source, found.notes)
     if asked.session is not None:
-        raise PalpateError("--session is only for --robot replay, and the robot is sampled")
+        raise PalpateError(f"--session is only for --robot replay, and the robot is {asked.robot.value}")
     if asked.thing is None:
         raise PalpateError(f"no OBJECT was found; {choices(network.objects)}")
-    return SampledRobot(network, asked.thing, rng), asked.thing, f"the sensor models of the network {network.name}"
+    if asked.robot is RobotKind.MUJOCO:
+        return _on_bench(asked, asked.thing, network, rng)
+    return _Acting(
+        SampledRobot(network, asked.thing, rng), asked.thing, f"the sensor models of the network {network.name}"
+    )
+
+
+def _on_bench(asked: Asked, thing: str, network: Network, rng: np.random.Generator) -> _Acting:
+    """The robot in physics."""
+    from palpate.cli.benching import bench_in_use, bench_robot
+
+    if asked.timeout_s is not None:
+        raise PalpateError("--timeout is not for --robot mujoco: its actions end by themselves")
+    robot = bench_robot(network, thing, asked.noise, rng, keeps_signals=asked.record)
+    return _Acting(robot, thing, "the bench in physics", using=bench_in_use(robot, network))

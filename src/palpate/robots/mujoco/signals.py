@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["HoldSignals", "ImageSignals", "Signals", "SoundSignals", "SqueezeSignals", "WeighSignals"]
+__all__ = ["GripperSamples", "HoldSignals", "ImageSignals", "Signals", "SoundSignals", "SqueezeSignals", "WeighSignals"]
 
 Samples = NDArray[np.float64]
 
@@ -24,6 +24,8 @@ class HoldSignals:
         Horizontal distance of the nominal grasp from the joint's axis; positive where weight asks for positive torque.
     lever_per_offset
         By how much the lever changes when the object's centre lies further out along the pads by 1.
+    angle_rad
+        The joint's angle while it holds the object, (n,); None where it was not read.
     """
 
     joint: str
@@ -33,6 +35,26 @@ class HoldSignals:
     empty_time_s: Samples
     lever_m: float
     lever_per_offset: float
+    angle_rad: Samples | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class GripperSamples:
+    """What a gripper tells of itself: samples, (n,).
+
+    Attributes
+    ----------
+    position_counts
+        The register of its position: 0 open.
+    current_a
+        Of its motor; None where it was not read.
+    """
+
+    time_s: Samples
+    gap_mm: Samples
+    force_n: Samples
+    position_counts: NDArray[np.int64]
+    current_a: Samples | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,10 +62,19 @@ class WeighSignals:
     """A weighing: a hold for each joint that the weight turns, and the gripper's gap when the hold began and ended.
 
     The gripper keeps its force, so that a gap of nothing says that it holds nothing.
+
+    Attributes
+    ----------
+    others
+        Holds of the joints that the weight hardly turns: kept with the rest, and not weighed with.
+    gripper
+        The gripper during the hold.
     """
 
     holds: tuple[HoldSignals, ...]
     gap_mm: tuple[float, float]
+    others: tuple[HoldSignals, ...] = ()
+    gripper: GripperSamples | None = None
 
     @property
     def holds_something(self) -> bool:
@@ -63,6 +94,8 @@ class SqueezeSignals:
         The register itself: 0 open, one count for 0.37 mm.
     contact_area_mm2, rest_width_mm
         As the bench knows them of the object at rest.
+    current_a
+        Of the gripper's motor, which the force is told from; None where it was not read.
     """
 
     time_s: Samples
@@ -71,6 +104,12 @@ class SqueezeSignals:
     position_counts: NDArray[np.int64]
     contact_area_mm2: float
     rest_width_mm: float
+    current_a: Samples | None = None
+
+    @property
+    def gripper(self) -> GripperSamples:
+        """The samples alone."""
+        return GripperSamples(self.time_s, self.gap_mm, self.force_n, self.position_counts, self.current_a)
 
 
 @dataclass(frozen=True, eq=False)
