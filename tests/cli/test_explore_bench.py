@@ -1,13 +1,16 @@
 import json
 import re
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from uuid import UUID
 
 import pytest
 
-pytest.importorskip("mujoco", reason="the bench needs MuJoCo")
+# asked without importing it: the bench says what MuJoCo draws with before it is imported
+if find_spec("mujoco") is None:
+    pytest.skip("the bench needs MuJoCo", allow_module_level=True)
 
 from palpate.episode import read_episode
 from palpate.network.reading import load_network

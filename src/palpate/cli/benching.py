@@ -13,45 +13,30 @@ import numpy as np
 from palpate.cli.options import number_of
 from palpate.errors import PalpateError, choices, near
 from palpate.network.model import Network
-from palpate.outcomes import Outcome
 
 if TYPE_CHECKING:
     from palpate.robots.mujoco.noise import BenchNoise
     from palpate.robots.mujoco.robot import MujocoRobot
-    from palpate.robots.mujoco.signals import Signals
 
 __all__ = ["bench_in_use", "bench_robot", "noise_of"]
 
 NONE = "none"
 
 
-def bench_robot(
-    network: Network, thing: str, noise: Iterable[str], rng: np.random.Generator, *, keeps_signals: bool
-) -> MujocoRobot:
+def bench_robot(network: Network, thing: str, noise: Iterable[str], rng: np.random.Generator) -> MujocoRobot:
     """A robot on the bench with an object of a network on the table; to be closed.
 
     Parameters
     ----------
     noise
         ``--noise``.
-    keeps_signals
-        Whether its actions are recorded, and their signals with them.
     """
     _check_installed()
     from palpate.robots.mujoco.estimates import estimates
     from palpate.robots.mujoco.robot import MujocoRobot
 
     network.object(thing)
-
-    def keep(action: str, signals: Signals, outcome: Outcome) -> None:
-        from palpate.robots.mujoco.recording import keep_in_recording
-
-        keep_in_recording(robot.bench, signals)
-
-    robot = MujocoRobot.of(
-        network, thing, estimates(network), noise=noise_of(noise), rng=rng, record=keep if keeps_signals else None
-    )
-    return robot
+    return MujocoRobot.of(network, thing, estimates(network), noise=noise_of(noise), rng=rng)
 
 
 @contextmanager

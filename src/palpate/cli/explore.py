@@ -100,6 +100,17 @@ def explore(
     plot: Annotated[
         Path | None, typer.Option(help="Draw the episode: .png, .svg or .pdf.", rich_help_panel=OUTPUT)
     ] = None,
+    video: Annotated[
+        Path | None,
+        typer.Option(help="Film the bench with the belief beside it, to this .mp4 file.", rich_help_panel=OUTPUT),
+    ] = None,
+    viewer: Annotated[
+        bool, typer.Option("--viewer", help="Show the bench in a window of MuJoCo's.", rich_help_panel=OUTPUT)
+    ] = False,
+    rerun: Annotated[
+        Path | None,
+        typer.Option(help="Log beliefs, images and signals for Rerun, to this .rrd file.", rich_help_panel=OUTPUT),
+    ] = None,
     record: Annotated[
         bool,
         typer.Option(
@@ -135,6 +146,9 @@ def explore(
         timeout_s=timeout,
         log=log,
         plot=plot,
+        video=video,
+        viewer=viewer,
+        rerun=rerun,
         verbose=verbose,
         record=record,
         place=place,

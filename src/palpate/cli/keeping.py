@@ -91,11 +91,14 @@ def _origin(asked: Asked, ready: Ready) -> _Origin:
 
 
 def _bench_origin(ready: Ready) -> _Origin:
+    """The bench, which from now on keeps its signals in the recordings."""
     from palpate.recording import About
-    from palpate.robots.mujoco.recording import bench_setup, engine
+    from palpate.robots.mujoco.recording import bench_setup, engine, keep_in_recording
     from palpate.robots.mujoco.robot import MujocoRobot
 
     assert isinstance(ready.robot, MujocoRobot)
+    bench = ready.robot.bench
+    ready.robot.listeners.append(lambda action, signals, outcome: keep_in_recording(bench, signals))
     about = About(software=f"{About().software}, {engine()}")
     notice = f"simulated on {ready.source} with seed {ready.about.seed}, not measured"
-    return _Origin("simulated-bench", notice, bench_setup(ready.robot.bench), about)
+    return _Origin("simulated-bench", notice, bench_setup(bench), about)

@@ -54,6 +54,9 @@ class Asked:
     timeout_s: float | None
     log: Path | None
     plot: Path | None
+    video: Path | None
+    viewer: bool
+    rerun: Path | None
     verbose: bool
     record: bool = False
     place: str | None = None
@@ -168,8 +171,10 @@ def prepare(asked: Asked) -> Ready:
 
 def _acting(asked: Asked, network: Network, rng: np.random.Generator) -> _Acting:
     """Who does the actions, as ``--robot`` says."""
-    if asked.noise and asked.robot is not RobotKind.MUJOCO:
-        raise PalpateError(f"--noise is only for --robot mujoco, and the robot is {asked.robot.value}")
+    if asked.robot is not RobotKind.MUJOCO:
+        for option, given in (("--noise", asked.noise), ("--video", asked.video), ("--viewer", asked.viewer)):
+            if given:
+                raise PalpateError(f"{option} is only for --robot mujoco, and the robot is {asked.robot.value}")
     if asked.robot is RobotKind.REPLAY:
         found = replayed(asked.session, asked.thing, network, asked.place, asked.blobs)
         return _Acting(found.robot, found.thing, found.source, found.notes)
@@ -190,5 +195,5 @@ def _on_bench(asked: Asked, thing: str, network: Network, rng: np.random.Generat
 
     if asked.timeout_s is not None:
         raise PalpateError("--timeout is not for --robot mujoco: its actions end by themselves")
-    robot = bench_robot(network, thing, asked.noise, rng, keeps_signals=asked.record)
+    robot = bench_robot(network, thing, asked.noise, rng)
     return _Acting(robot, thing, "the bench in physics", using=bench_in_use(robot, network))
