@@ -177,7 +177,11 @@ class Spool:
     def claimed(self, name: str) -> Iterator[bool]:
         """Keep others from sending a recording that waits; what it gives tells whether it is there and was free."""
         with locked(self._lock(name)) as taken:
-            yield taken and self._path("waiting", name).is_dir()
+            yield taken and self.waits(name)
+
+    def waits(self, name: str) -> bool:
+        """Whether a recording waits."""
+        return self._path("waiting", name).is_dir()
 
     def remove(self, name: str) -> None:
         """Remove a recording that a store has acknowledged; it must be claimed."""
