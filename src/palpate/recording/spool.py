@@ -19,10 +19,10 @@ from typing import Any
 
 from palpate.recording.errors import RecordingError
 from palpate.recording.lock import Lock, locked
-from palpate.store.durable import sync_folder
-from palpate.store.errors import StoreError
+from palpate.store.durable import sync_folder, sync_tree
+from palpate.store.errors import DamagedError, StoreError
 from palpate.store.importing.folder import FolderWriter, write_folder
-from palpate.store.importing.reading_folder import is_whole, read_folder, read_remainder
+from palpate.store.importing.reading_folder import is_whole, read_folder, read_remainder, stated_digest
 from palpate.store.records import Recording
 
 __all__ = ["KILLED", "Spool", "Unfinished", "default_folder"]
@@ -119,12 +119,19 @@ class Spool:
             unfinished.lock.leave()
 
     def add(self, recording: Recording) -> str:
-        """Put a whole recording among those that wait, and return its name there."""
+        """Put a whole recording among those that wait, and return its name there; the same again is the same one.
+
+        Raises
+        ------
+        RecordingError
+            If it is being written, or its id is that of another recording here.
+        """
         name = _name(recording)
         with locked(self._lock(name)) as taken:
             if not taken:
                 raise RecordingError(f"{self.folder}: {name} is being written already, expected an id of its own")
-            self._write(name, recording)
+            if not self._has(name, recording):
+                self._write(name, recording)
         return name
 
     def waiting(self) -> list[str]:
@@ -197,7 +204,7 @@ class Spool:
         self._move(name, "refused", "waiting")
 
     def _recover(self, name: str, folder: Path) -> Recording | None:
-        if is_whole(folder):
+        if is_whole(folder) and self._is_readable(folder):
             self._move(name, "open", "waiting")
             return self.read(name)
         if not any(path.stat().st_size for path in folder.iterdir()):
@@ -209,6 +216,29 @@ class Spool:
             self._write(name, read_remainder(folder, KILLED))
         self._discard(name, "open")
         return self.read(name)
+
+    def _is_readable(self, folder: Path) -> bool:
+        """Whether all that a whole journal names is there, and on the disk; after a power cut it may not be."""
+        try:
+            read_folder(folder)
+        except DamagedError:
+            return False
+        if self.sync:
+            sync_tree(folder)
+        return True
+
+    def _has(self, name: str, recording: Recording) -> bool:
+        """Whether a recording waits here; it does so again where it was refused."""
+        for state in ("waiting", "refused"):
+            folder = self._path(state, name)
+            if not folder.is_dir():
+                continue
+            if stated_digest(folder) != recording.digest:
+                raise RecordingError(f"{folder.parent}: {name} is another recording, expected an id of its own")
+            if state == "refused":
+                self.requeue(name)
+            return True
+        return False
 
     def _write(self, name: str, recording: Recording) -> None:
         draft = self._cleared("drafts", name)
