@@ -25,12 +25,13 @@ from palpate.store.importing.folder import FolderWriter, write_folder
 from palpate.store.importing.reading_folder import is_whole, read_folder, read_remainder, stated_digest
 from palpate.store.records import Recording
 
-__all__ = ["KILLED", "Spool", "Unfinished", "default_folder"]
+__all__ = ["FOLDERS", "KILLED", "Spool", "Unfinished", "default_folder"]
 
 KILLED = "the recording was cut off before its end"
 """The reason that stands in what is recovered."""
 
 FOLDERS = ("open", "waiting", "refused", "drafts", "done", "locks")
+"""What a spool consists of; a copy may lack those that are empty."""
 REASON = "reason.txt"
 
 
