@@ -125,10 +125,17 @@ def test_a_refused_recording_leaves_nothing(store: Store) -> None:
 
 def test_a_property_keeps_its_dimension(store: Store) -> None:
     """The first unit of a property decides its dimension, for recordings that come later too."""
-    store.put(squeeze(1))
-    store.put(squeeze(2, entries=(Value("elasticity", 1.0, unit="MPa"),)))
+    store.put(squeeze(1, entries=(Value("fluff", 1.0, unit="kPa"),)))
+    store.put(squeeze(2, entries=(Value("fluff", 1.0, unit="MPa"),)))
     with pytest.raises(StoreError, match=r"entries\[0\].unit: unit 'g' is mass"):
-        store.put(squeeze(3, entries=(Value("elasticity", 1.0, unit="g"),)))
+        store.put(squeeze(3, entries=(Value("fluff", 1.0, unit="g"),)))
+
+
+def test_the_first_unit_of_a_known_property_decides_nothing(store: Store) -> None:
+    """In a fresh store too, what everybody knows is refused in a wrong unit, and taken in a right one."""
+    with pytest.raises(StoreError, match=r"entries\[0\].unit: unit 'g' is mass; expected .*, as 'Pa'"):
+        store.put(squeeze(1, entries=(Value("elasticity", 1.0, unit="g"),)))
+    assert store.put(squeeze(2, entries=(Value("elasticity", 1.0, unit="kPa"),))).new
 
 
 def test_large_arrays_logs_and_files_go_to_the_blobs(store: Store, tmp_path: Path) -> None:
