@@ -42,7 +42,7 @@ def archive(store: Store, tmp_path: Path) -> Path:
     store.put_many(RECORDINGS)
     image = keep_image(store, "front.png", "image/png", b"a picture")
     wood = Distribution("material", {"wood": 0.9, "metal": 0.1})
-    change_thing(store, MUG, lambda thing: thing.knowing(Value("mass", 118.0, 1.0, "g"), "scale").showing(image))
+    change_thing(store, MUG, lambda thing: thing.knowing(Value("weight", 118.0, 1.0, "g"), "scale").showing(image))
     change_thing(store, MUG, lambda thing: thing.knowing(wood, "ann").described(attributes={"colour": "red"}))
     add_thing(store, BOX)
     merge_things(store, CUP, MUG)
@@ -72,7 +72,7 @@ def test_what_a_store_says_already_stays(store: Store, archive: Path, tmp_path: 
     """An archive completes an object, and neither changes nor removes what is there; the audit says so."""
     with open_store(tmp_path / "other.sqlite", durable=False) as other:
         other.put(squeeze(9, thing=MUG))
-        heavier = Value("mass", 120.0, unit="g")
+        heavier = Value("weight", 120.0, unit="g")
         change_thing(other, MUG, lambda thing: thing.described(attributes={"colour": "blue", "age": 3}))
         change_thing(other, MUG, lambda thing: thing.knowing(heavier, "scale"))
         taken(other, archive)
@@ -86,7 +86,7 @@ def test_what_a_store_says_already_stays(store: Store, archive: Path, tmp_path: 
 def test_what_does_not_fit_is_told(store: Store, archive: Path, tmp_path: Path) -> None:
     """A merge into another object than here, and a unit of another dimension, are told and not taken over."""
     with open_store(tmp_path / "other.sqlite", durable=False) as other:
-        other.put(squeeze(9, thing=BOX, entries=(Value("mass", 1.0, unit="N"),)))
+        other.put(squeeze(9, thing=BOX, entries=(Value("weight", 1.0, unit="N"),)))
         add_thing(other, CUP)
         merge_things(other, CUP, BOX)
         refused = [outcome for outcome in taken(other, archive) if outcome.fate is Fate.REFUSED]

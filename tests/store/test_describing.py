@@ -147,3 +147,39 @@ def test_splitting_notes_who_did_it(filled: Store) -> None:
     split_thing(filled, MUG, who="bob")
     (change,) = history(filled)
     assert (change.who, change.what, change.undone_by) == ("ann", "merged", "bob")
+
+
+SAID: list[tuple[dict[str, Any], tuple[str, ...]]] = [
+    ({"maker": "Acme"}, ("maker",)),
+    ({"common_name": "beaker"}, ("common_name",)),
+    ({"aliases": ("the red one",)}, ("aliases", "the red one")),
+    ({"attributes": {"colour": "red"}}, ("attributes", "colour")),
+]
+
+
+@pytest.mark.parametrize(("said", "field"), SAID)
+def test_what_was_taken_back_does_not_come_again(store: Store, said: dict[str, Any], field: tuple[str, ...]) -> None:
+    """A recording completes a description, but not by what a person has taken away, in this process or another."""
+    plain, told = ThingRef("made_up", "mug"), ThingRef("made_up", "mug", **said)
+    store.put(squeeze(0, thing=plain))
+    change_thing(store, plain, lambda thing: thing.described(**said))
+    undo(store, plain)
+    other = Store(store.engine, store.blobs)
+    for number, place in enumerate((store, other, Store(store.engine, store.blobs)), 1):
+        place.put(squeeze(number, thing=told))
+        assert field not in fields_of(find_thing(store, "made_up/mug"))
+
+
+@pytest.mark.parametrize(("said", "field"), SAID)
+def test_what_a_person_removed_does_not_come_again(store: Store, said: dict[str, Any], field: tuple[str, ...]) -> None:
+    """Neither where a recording had said it first, and a person then removed it; told again it is there."""
+    plain, told = ThingRef("made_up", "mug"), ThingRef("made_up", "mug", **said)
+    store.put(squeeze(0, thing=told))
+    emptied: dict[str, Any] = {"maker": None, "common_name": None, "aliases": (), "attributes": {}}
+    change_thing(store, plain, lambda thing: thing.described(**emptied))
+    other = Store(store.engine, store.blobs)
+    other.put(squeeze(1, thing=told))
+    assert field not in fields_of(find_thing(store, "made_up/mug"))
+    other.put(squeeze(2, thing=ThingRef("made_up", "mug", maker="Brown")))
+    change_thing(store, plain, lambda thing: thing.described(**said))
+    assert field in fields_of(find_thing(store, "made_up/mug"))

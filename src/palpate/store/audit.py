@@ -11,6 +11,7 @@ from typing import Any
 from sqlalchemy import Connection, insert, select, update
 
 from palpate.store import schema
+from palpate.store.completing import CHANGED
 from palpate.store.content import to_json
 from palpate.store.errors import StoreError
 from palpate.store.records import ThingRef
@@ -21,7 +22,7 @@ from palpate.store.things import is_thing
 
 __all__ = ["ADDED", "CHANGED", "MERGED", "UNDOABLE", "Change", "history"]
 
-ADDED, CHANGED, MERGED = "added", "changed", "merged"
+ADDED, MERGED = "added", "merged"
 UNDOABLE = (CHANGED, MERGED)
 Row = Mapping[Any, Any]
 
