@@ -83,7 +83,7 @@ CSV = ("--csv", "objects.csv", "--csv-readings", "readings.csv")
 REFUSED = {
     "nothing": ((), "network fit: found neither --store nor --csv; expected one of them"),
     "both": (("--store", "store.sqlite", *CSV), "network fit: found both --store and --csv"),
-    "no store": (("--store", "nowhere.sqlite"), "--store: there is no file nowhere.sqlite"),
+    "no store": (("--store", "nowhere.sqlite"), "there is no store at"),
     "no table": (("--csv", "nowhere.csv"), "nowhere.csv: found a file that cannot be read"),
     "gripper": ((*CSV, "--gripper", "soft"), "--gripper: for a store alone, expected --store"),
     "readings": (("--store", "store.sqlite", "--csv-readings", "readings.csv"), "for tables alone, expected --csv"),

@@ -40,7 +40,8 @@ def test_show_tells_what_is_there(run: Any, place: Path) -> None:
 
 
 def test_show_of_an_empty_store(run: Any, tmp_path: Path) -> None:
-    """An empty store is made on first use and says so."""
+    """A store without recordings says so."""
+    open_store(tmp_path / "new.sqlite").close()
     assert "0 recordings of 0 objects" in run("store", "show", "--store", tmp_path / "new.sqlite").out
 
 

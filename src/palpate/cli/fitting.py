@@ -58,9 +58,6 @@ class From:
 
         check_installed()
         assert self.store is not None
-        # a store is made where there is none, but nothing can be learnt from a new one
-        if "://" not in self.store and not Path(self.store).is_file():
-            raise PalpateError(f"--store: there is no file {self.store}, expected a store that is there")
         from palpate.fitting.store_data import read_store
         from palpate.store.filters import Filter
 

@@ -49,7 +49,7 @@ def keeping(asked: Asked, ready: Ready) -> Iterator[Kept]:
     from palpate.store.records import ThingRef
 
     network = ready.prior.network
-    with opened(asked.place, asked.blobs) as store:
+    with opened(asked.place, asked.blobs, make=True) as store:
         # what was drawn or replayed must not be taken for a measurement of the object
         dataset, notice = ("replayed", "replayed from") if asked.replay else ("simulated", "drawn from")
         robot = RecordedRobot(

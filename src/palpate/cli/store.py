@@ -105,7 +105,7 @@ def import_(
     wanted = [*(paths or ()), *([EXAMPLE] if example else [])]
     check_paths(wanted, report)
     formats = formats_of(columns, topics)
-    with place.opened() as found:
+    with place.opened(make=True) as found:
         done = import_shown(found, wanted, formats, report_file=report, verbose=verbose)
     raise typer.Exit(1 if done.count(Fate.REFUSED) else 0)
 

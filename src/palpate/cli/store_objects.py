@@ -82,7 +82,7 @@ def add(
     dataset, slash, name = path.partition("/")
     if not slash:
         raise PalpateError(f"{path!r} was found, expected DATASET/NAME")
-    with place.opened() as store:
+    with place.opened(make=True) as store:
         new = add_thing(store, ThingRef(dataset, name), who=who_of(who))
     print(f"{path}: {'added' if new else 'is there already'}")
 

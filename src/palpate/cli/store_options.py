@@ -44,11 +44,11 @@ class Place:
     place: StoreOption = None
     blobs: BlobsOption = None
 
-    def opened(self) -> AbstractContextManager[Store]:
-        """The store, closed afterwards."""
+    def opened(self, *, make: bool = False) -> AbstractContextManager[Store]:
+        """The store, closed afterwards; one that is not there is made only where it was asked for."""
         from palpate.cli.storing import opened
 
-        return opened(self.place, self.blobs)
+        return opened(self.place, self.blobs, make=make)
 
 
 @dataclass(frozen=True)

@@ -38,11 +38,11 @@ def check_installed() -> None:
 
 
 @contextmanager
-def opened(place: str | None, blobs: str | None) -> Iterator[Store]:
-    """The store of the options, closed afterwards."""
+def opened(place: str | None, blobs: str | None, *, make: bool = False) -> Iterator[Store]:
+    """The store of the options, closed afterwards; one that is not there is made only where it was asked for."""
     from palpate.store.opening import open_store
 
-    with open_store(place, blobs) as found:
+    with open_store(place, blobs, make=make) as found:
         yield found
 
 
