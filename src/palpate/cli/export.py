@@ -44,7 +44,7 @@ def export(
     from palpate.store.exporting.writing import export as write
 
     wishes = Wishes(form, title, tuple(author or ()), licence, include_private, fps, resample, assumed_rate)
-    how, wanted = wishes.format(), which.filter()
+    how = wishes.format()
     with place.opened() as found, bar("exporting") as told:
-        written = write(found, how, folder, wanted, told)
+        written = write(found, how, folder, which.filter(found), told)
     tell_written(folder, written)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from uuid import UUID
 
 from palpate.cli.storing import check_installed, opened
 from palpate.episode import read_episode
@@ -14,7 +13,7 @@ from palpate.network.model import Network
 from palpate.robots.replay import ReplayRobot
 from palpate.robots.session import read_session, shipped_session
 
-__all__ = ["Replayed", "episode_key", "is_in_store", "replayed"]
+__all__ = ["Replayed", "is_in_store", "replayed"]
 
 STORE, IN_STORE = "store", "store:"
 
@@ -73,10 +72,12 @@ def _from_file(path: Path) -> Replayed:
 def _episode_of_store(key: str, place: str | None, blobs: str | None) -> Replayed:
     check_installed()
     from palpate.episode.keeping import read_stored_episode
+    from palpate.store.keys import episode_id
 
     with opened(place, blobs) as store:
-        episode = read_stored_episode(store, episode_key(key))
-    return Replayed(ReplayRobot(episode.recorded), episode.about.object, f"episode {key}")
+        found = episode_id(store, key)
+        episode = read_stored_episode(store, found)
+    return Replayed(ReplayRobot(episode.recorded), episode.about.object, f"episode {found}")
 
 
 def _object_of_store(thing: str, network: Network, place: str | None, blobs: str | None) -> Replayed:
@@ -86,11 +87,3 @@ def _object_of_store(thing: str, network: Network, place: str | None, blobs: str
     with opened(place, blobs) as store:
         session = stored_session(store, thing, network)
     return Replayed(ReplayRobot(session.recorded), session.object, session.source, session.all_decisions)
-
-
-def episode_key(text: str) -> UUID | str:
-    """The id or the digest of an episode, as it was typed."""
-    try:
-        return UUID(text)
-    except ValueError:
-        return text

@@ -11,7 +11,7 @@ import typer
 
 from palpate.cli.rows import Form
 from palpate.cli.spreading import spread
-from palpate.cli.store_options import Place, Which
+from palpate.cli.store_options import Place, Which, WideOption
 
 __all__ = ["curves", "devices", "list_", "table"]
 
@@ -52,6 +52,7 @@ class How:
         typer.Option(min=1, help="Recordings of a page (default: 50; all as CSV or Parquet).", rich_help_panel=HOW),
     ] = None
     cursor: Annotated[str | None, typer.Option(help="What the page before ended with.", rich_help_panel=HOW)] = None
+    wide: WideOption = False
 
 
 @spread
@@ -59,16 +60,17 @@ def list_(which: Which, how: How, written: Written, place: Place) -> None:
     """List recordings, the last ones first; as CSV or Parquet the results, a row for each."""
     from palpate.cli.rows import write_rows, write_text
     from palpate.cli.store_view import page_json, page_table
-    from palpate.cli.terminal import console
+    from palpate.cli.terminal import is_terminal, print_whole
     from palpate.errors import PalpateError
     from palpate.store.entries_table import entries_table
     from palpate.store.filters import Sort
     from palpate.store.listing import list_recordings
 
-    form, wanted, sort = written.chosen, which.filter(), Sort(how.sort, not how.ascending)
+    form, sort = written.chosen, Sort(how.sort, not how.ascending)
     if form.is_flat and how.cursor is not None:
         raise PalpateError("--cursor: is for pages, and CSV and Parquet have none; expected --format table or json")
     with place.opened() as store:
+        wanted = which.filter(store)
         if form.is_flat:
             write_rows(entries_table(store, wanted, sort, limit=how.limit), form, written.output)
             return
@@ -76,7 +78,7 @@ def list_(which: Which, how: How, written: Written, place: Place) -> None:
     if form is Form.JSON:
         write_text(page_json(page), written.output)
         return
-    console().print(page_table(page))
+    print_whole(page_table(page, whole=how.wide or not is_terminal()))
     if page.cursor is not None:
         print(f"more: --cursor {page.cursor}")
 
@@ -86,7 +88,7 @@ def table(written: Written, place: Place) -> None:
     """Print objects x properties: mean and SD of what was measured, how often, and how far devices differ."""
     from palpate.cli.cells_view import cells_table
     from palpate.cli.rows import write_rows, write_text
-    from palpate.cli.terminal import console
+    from palpate.cli.terminal import print_whole
     from palpate.store.summary import cells_to_arrow, objects_by_properties
 
     form = written.chosen
@@ -97,7 +99,7 @@ def table(written: Written, place: Place) -> None:
     elif form is Form.JSON:
         write_text(json.dumps([vars(cell) for cell in cells], indent=1), written.output)
     else:
-        console().print(cells_table(cells))
+        print_whole(cells_table(cells))
 
 
 @spread
@@ -126,7 +128,7 @@ def devices(
 ) -> None:
     """List devices, each with its calibrations in the order of their dates."""
     from palpate.cli.cells_view import devices_table
-    from palpate.cli.terminal import console
+    from palpate.cli.terminal import print_whole
     from palpate.store.calibrations import devices_of
 
     with place.opened() as store:
@@ -134,4 +136,4 @@ def devices(
     if as_json:
         print(json.dumps([{**vars(one.device), "recordings": one.recordings} for one in found], indent=1))
     else:
-        console().print(devices_table(found))
+        print_whole(devices_table(found))

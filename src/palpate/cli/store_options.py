@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from palpate.store.filters import Filter
     from palpate.store.store import Store
 
-__all__ = ["BlobsOption", "Place", "StoreOption", "Which"]
+__all__ = ["BlobsOption", "Place", "StoreOption", "Which", "WideOption"]
 
 PLACE, WHICH = "The store", "Which recordings"
 
@@ -34,6 +34,9 @@ BlobsOption = Annotated[
         help="Folder or s3://... for large bytes (default: PALPATE_BLOBS, or beside the file).",
         rich_help_panel=PLACE,
     ),
+]
+WideOption = Annotated[
+    bool, typer.Option("--wide", help="Whole ids also in a terminal, where they are shortened otherwise.")
 ]
 
 
@@ -74,7 +77,9 @@ class Which:
     ] = None
     device: Annotated[str | None, typer.Option(help="Any device of the setup.", rich_help_panel=WHICH)] = None
     gripper: Annotated[str | None, typer.Option(help="Gripper of the setup.", rich_help_panel=WHICH)] = None
-    setup: Annotated[str | None, typer.Option(help="Digest of the setup.", rich_help_panel=WHICH)] = None
+    setup: Annotated[str | None, typer.Option(help="Digest of the setup, or how it begins.", rich_help_panel=WHICH)] = (
+        None
+    )
     owner: Annotated[str | None, typer.Option(help="Whose they are.", rich_help_panel=WHICH)] = None
     since: Annotated[str | None, typer.Option(help="Recorded at this time or later.", rich_help_panel=WHICH)] = None
     until: Annotated[str | None, typer.Option(help="Recorded before this time.", rich_help_panel=WHICH)] = None
@@ -84,10 +89,11 @@ class Which:
     ] = None
     text: Annotated[str | None, typer.Option(help="Part of a name or notice.", rich_help_panel=WHICH)] = None
 
-    def filter(self) -> Filter:
-        """The same with objects in the place of strings."""
+    def filter(self, store: Store) -> Filter:
+        """The same with objects in the place of strings, and the setup of the store that is meant."""
         from palpate.cli.storing import labels_of, moment_of
         from palpate.store.filters import Filter
+        from palpate.store.keys import setup_digest
 
         return Filter(
             thing=self.thing,
@@ -99,7 +105,7 @@ class Which:
             known=labels_of("--known", self.known or ()),
             device=self.device,
             gripper=self.gripper,
-            setup=self.setup,
+            setup=None if self.setup is None else setup_digest(store, self.setup),
             since=moment_of("--since", self.since),
             until=moment_of("--until", self.until),
             ground_truth=self.ground_truth,

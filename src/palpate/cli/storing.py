@@ -7,19 +7,16 @@ from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
-from uuid import UUID
 
 from palpate.errors import PalpateError
 from palpate.figures.wording import plural
 
 if TYPE_CHECKING:
-    from palpate.store.records import Recording
     from palpate.store.store import Store
     from palpate.store.verifying import Fault
 
 __all__ = [
     "check_installed",
-    "found_recording",
     "labels_of",
     "moment_of",
     "opened",
@@ -66,17 +63,6 @@ def moment_of(option: str, text: str | None) -> datetime | None:
     except ValueError:
         raise PalpateError(f"{option}: {text!r} was found, expected a date or time such as 2024-05-01T14:00") from None
     return moment if moment.utcoffset() is not None else moment.replace(tzinfo=UTC)
-
-
-def found_recording(store: Store, key: str) -> Recording:
-    """The recording of an id or a digest."""
-    try:
-        return store.get(UUID(key))
-    except ValueError as error:
-        # an error of the store is one of values too
-        if isinstance(error, PalpateError):
-            raise
-        return store.get(key)
 
 
 def tell_faults(faults: Iterable[Fault]) -> Sequence[Fault]:
