@@ -73,10 +73,10 @@ def test_a_template_without_numbers(run: Any, lab: Path) -> None:
 def test_a_filter_is_in_the_command(run: Any, lab: Path) -> None:
     """Which readings were used is part of the provenance; with none of them, sensors stay as they are."""
     fitted = run("network", "fit", "--like", "workshop.toml", "--store", "store.sqlite", "-o", "own.toml",
-                 "--gripper", "soft", "--since", "2024-01-01", "--keep", "kind", "--folds", 0)  # fmt: skip
+                 "--since", "1999-01-01", "--until", "2000-01-01", "--keep", "kind", "--folds", 0)  # fmt: skip
     assert "look, weigh, scratch: as in the template: no data" in fitted.out
     command = read_document("own.toml").section("provenance").text("command")
-    assert "--gripper soft --since 2024-01-01 --pseudo-count 0.2 --keep kind --output own.toml" in command
+    assert "--since 1999-01-01 --until 2000-01-01 --pseudo-count 0.2 --keep kind --output own.toml" in command
 
 
 CSV = ("--csv", "objects.csv", "--csv-readings", "readings.csv")
@@ -86,6 +86,7 @@ REFUSED = {
     "no store": (("--store", "nowhere.sqlite"), "there is no store at"),
     "no table": (("--csv", "nowhere.csv"), "nowhere.csv: found a file that cannot be read"),
     "gripper": ((*CSV, "--gripper", "soft"), "--gripper: for a store alone, expected --store"),
+    "unknown": (("--store", "store.sqlite", "--gripper", "soft"), "--gripper: the store has no gripper 'soft'"),
     "readings": (("--store", "store.sqlite", "--csv-readings", "readings.csv"), "for tables alone, expected --csv"),
     "column": ((*CSV, "--column", "mass"), "--column: 'mass' was found, expected COLUMN=PROPERTY"),
     "since": (("--store", "store.sqlite", "--since", "soon"), "--since: 'soon' was found"),

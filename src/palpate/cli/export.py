@@ -41,10 +41,15 @@ def export(
     """Write recordings as an archive, which can be imported again, or in a format for others."""
     from palpate.cli.exporting import Wishes, tell_written
     from palpate.cli.progress_view import bar
+    from palpate.cli.storing import check_known
     from palpate.store.exporting.writing import export as write
+    from palpate.store.listing import list_recordings
 
     wishes = Wishes(form, title, tuple(author or ()), licence, include_private, fps, resample, assumed_rate)
     how = wishes.format()
     with place.opened() as found, bar("exporting") as told:
-        written = write(found, how, folder, which.filter(found), told)
+        wanted = which.filter(found)
+        if not list_recordings(found, wanted, limit=1).rows:
+            check_known(found, wanted)
+        written = write(found, how, folder, wanted, told)
     tell_written(folder, written)

@@ -54,7 +54,7 @@ class From:
         return self._read_store(network)
 
     def _read_store(self, network: Network) -> Data:
-        from palpate.cli.storing import check_installed, moment_of, opened
+        from palpate.cli.storing import check_installed, check_known, moment_of, opened
 
         check_installed()
         assert self.store is not None
@@ -65,6 +65,7 @@ class From:
         dataset, device, gripper = (self.wanted.get(name) for name in ("dataset", "device", "gripper"))
         wanted = Filter(dataset=dataset, device=device, gripper=gripper, since=since, until=until)
         with opened(self.store, self.blobs) as store:
+            check_known(store, wanted)
             return read_store(store, network, wanted)
 
 

@@ -27,19 +27,24 @@ def episodes(
 ) -> None:
     """List explorations, the last ones first."""
     from palpate.cli.episode_view import episodes_json, episodes_table
-    from palpate.cli.storing import moment_of
+    from palpate.cli.store_view import tell_next
+    from palpate.cli.storing import check_known, moment_of
     from palpate.cli.terminal import is_terminal, print_whole
+    from palpate.store.filters import Filter
     from palpate.store.listing_episodes import list_episodes
 
     first, end = moment_of("--since", since), moment_of("--until", until)
     with place.opened() as store:
         page = list_episodes(store, thing=thing, dataset=dataset, since=first, until=end, limit=limit, cursor=cursor)
+        if not page.rows:
+            check_known(store, Filter(thing=thing, dataset=dataset))
     if as_json:
         print(episodes_json(page))
-        return
-    print_whole(episodes_table(page, whole=wide or not is_terminal()))
-    if page.cursor is not None:
-        print(f"more: --cursor {page.cursor}")
+    elif page.rows:
+        print_whole(episodes_table(page, whole=wide or not is_terminal()))
+        tell_next(page.cursor)
+    else:
+        print("no episode matches" if (thing, dataset, first, end) != (None,) * 4 else "no episodes yet")
 
 
 @spread

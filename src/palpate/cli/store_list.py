@@ -59,11 +59,12 @@ class How:
 def list_(which: Which, how: How, written: Written, place: Place) -> None:
     """List recordings, the last ones first; as CSV or Parquet the results, a row for each."""
     from palpate.cli.rows import write_rows, write_text
-    from palpate.cli.store_view import page_json, page_table
+    from palpate.cli.store_view import page_json, page_table, tell_next
+    from palpate.cli.storing import check_known
     from palpate.cli.terminal import is_terminal, print_whole
     from palpate.errors import PalpateError
     from palpate.store.entries_table import entries_table
-    from palpate.store.filters import Sort
+    from palpate.store.filters import Filter, Sort
     from palpate.store.listing import list_recordings
 
     form, sort = written.chosen, Sort(how.sort, not how.ascending)
@@ -71,16 +72,19 @@ def list_(which: Which, how: How, written: Written, place: Place) -> None:
         raise PalpateError("--cursor: is for pages, and CSV and Parquet have none; expected --format table or json")
     with place.opened() as store:
         wanted = which.filter(store)
+        page = list_recordings(store, wanted, sort, limit=how.limit or PAGE, cursor=how.cursor)
+        if not page.rows:
+            check_known(store, wanted)
         if form.is_flat:
             write_rows(entries_table(store, wanted, sort, limit=how.limit), form, written.output)
             return
-        page = list_recordings(store, wanted, sort, limit=how.limit or PAGE, cursor=how.cursor)
     if form is Form.JSON:
         write_text(page_json(page), written.output)
-        return
-    print_whole(page_table(page, whole=how.wide or not is_terminal()))
-    if page.cursor is not None:
-        print(f"more: --cursor {page.cursor}")
+    elif page.rows:
+        print_whole(page_table(page, whole=how.wide or not is_terminal()))
+        tell_next(page.cursor)
+    else:
+        print("no recording matches" if wanted != Filter() else "no recordings yet")
 
 
 @spread
@@ -99,7 +103,7 @@ def table(written: Written, place: Place) -> None:
     elif form is Form.JSON:
         write_text(json.dumps([vars(cell) for cell in cells], indent=1), written.output)
     else:
-        print_whole(cells_table(cells))
+        print_whole(cells_table(cells) if cells else "no measured values yet")
 
 
 @spread
@@ -111,12 +115,17 @@ def curves(
 ) -> None:
     """Write all curves recorded with a gripper to a file."""
     from palpate.cli.files import check_writable, replacing
+    from palpate.cli.storing import check_known
     from palpate.figures.wording import plural
-    from palpate.store.curve_files import write_curves
+    from palpate.store.curve_files import check_curve_file, write_curves
+    from palpate.store.filters import Filter
 
+    check_curve_file("--output", output)
     check_writable("--output", output)
     with place.opened() as store, replacing(output) as draft:
         count = write_curves(store, gripper, draft, action=action)
+        if not count:
+            check_known(store, Filter(gripper=gripper, action=action))
     print(f"{output}: {plural(count, 'channel')}")
 
 
@@ -128,12 +137,16 @@ def devices(
 ) -> None:
     """List devices, each with its calibrations in the order of their dates."""
     from palpate.cli.cells_view import devices_table
+    from palpate.cli.storing import check_known
     from palpate.cli.terminal import print_whole
     from palpate.store.calibrations import devices_of
+    from palpate.store.filters import Filter
 
     with place.opened() as store:
         found = devices_of(store, name)
+        if name is not None and not found:
+            check_known(store, Filter(device=name), {"device": "NAME"})
     if as_json:
         print(json.dumps([{**vars(one.device), "recordings": one.recordings} for one in found], indent=1))
     else:
-        print_whole(devices_table(found))
+        print_whole(devices_table(found) if found else "no devices yet")

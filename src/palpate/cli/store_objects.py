@@ -36,7 +36,7 @@ def objects(place: Place, as_json: Json = False) -> None:
     if as_json:
         print(things_json(found))
     else:
-        print_whole(things_table(found))
+        print_whole(things_table(found) if found else "no objects yet")
 
 
 @app.command("show")

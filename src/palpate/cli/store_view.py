@@ -21,7 +21,7 @@ from palpate.store.overview import Contents, contents
 if TYPE_CHECKING:
     from palpate.store.store import Store
 
-__all__ = ["entry_words", "overview", "page_json", "page_table"]
+__all__ = ["entry_words", "overview", "page_json", "page_table", "tell_next"]
 
 SHOWN = 20
 
@@ -86,6 +86,12 @@ def page_table(page: Page, *, whole: bool = True) -> Table:
             write(row.id), moment, row.common_name or row.thing, row.action, results, str(len(row.notices) or "")
         )
     return table
+
+
+def tell_next(cursor: str | None) -> None:
+    """Say how the next page is asked for, where there is one."""
+    if cursor is not None:
+        print(f"more: --cursor {cursor}")
 
 
 def page_json(page: Page) -> str:

@@ -8,15 +8,17 @@ from datetime import UTC, datetime
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from palpate.errors import PalpateError
+from palpate.errors import PalpateError, choices, near
 from palpate.figures.wording import plural
 
 if TYPE_CHECKING:
+    from palpate.store.filters import Filter
     from palpate.store.store import Store
     from palpate.store.verifying import Fault
 
 __all__ = [
     "check_installed",
+    "check_known",
     "labels_of",
     "moment_of",
     "opened",
@@ -24,6 +26,10 @@ __all__ = [
 ]
 
 
+FEW = 12
+"""Names are all listed up to this number."""
+OPTIONS = {"thing": "--object", "labels": "--label"}
+"""Fields of a filter whose options are called otherwise."""
 NEEDED = ("alembic", "pyarrow", "sqlalchemy", "yaml", "zstandard")
 
 
@@ -52,6 +58,27 @@ def labels_of(option: str, texts: Iterable[str]) -> Mapping[str, str]:
             raise PalpateError(f"{option}: {text!r} was found, expected PROPERTY=LABEL")
         labels[name] = label
     return labels
+
+
+def check_known(store: Store, wanted: Filter, where: Mapping[str, str] = OPTIONS) -> None:
+    """Refuse a name that nothing in the store has; for when nothing matches, as it may be mistyped.
+
+    Parameters
+    ----------
+    where
+        What was typed for a field of the filter, if it was no option of the same name.
+
+    Raises
+    ------
+    PalpateError
+        Naming the option, and the name that was probably meant.
+    """
+    from palpate.store.unknown import unknown_names
+
+    for one in unknown_names(store, wanted):
+        few = f"; {choices(one.known)}" if 0 < len(one.known) <= FEW else ""
+        place = where.get(one.field, f"--{one.field}")
+        raise PalpateError(f"{place}: the store has no {one.what} {one.name!r}{near(one.name, one.known)}{few}")
 
 
 def moment_of(option: str, text: str | None) -> datetime | None:
