@@ -60,7 +60,7 @@ def test_list_filters_and_pages(run: Any, place: Path) -> None:
     [
         ("--since", "soon", "--since: 'soon' was found, expected a date or time"),
         ("--label", "wood", "--label: 'wood' was found, expected PROPERTY=LABEL"),
-        ("--sort", "size", "sort: found 'size'"),
+        ("--sort", "size", "--sort: 'size' was found; choose from"),
         ("--cursor", "mug", "cursor: 'mug'"),
         ("--setup", "mug", "setup 'mug': is not the beginning of a digest"),
     ],

@@ -18,7 +18,9 @@ __all__ = ["curves", "devices", "list_", "table"]
 HOW = "How they are listed"
 PAGE = 50
 
-FormOption = Annotated[Form, typer.Option("--format", help="What is printed or written.", rich_help_panel=HOW)]
+FormOption = Annotated[
+    Form | None, typer.Option("--format", help="What is printed or written (default: table).", rich_help_panel=HOW)
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="The same as --format json.", rich_help_panel=HOW)]
 OutputOption = Annotated[Path | None, typer.Option("--output", "-o", help="The file to write.", rich_help_panel=HOW)]
 
@@ -27,7 +29,7 @@ OutputOption = Annotated[Path | None, typer.Option("--output", "-o", help="The f
 class Written:
     """In which form rows are given, and where."""
 
-    form: FormOption = Form.TABLE
+    form: FormOption = None
     as_json: JsonOption = False
     output: OutputOption = None
 
@@ -35,8 +37,13 @@ class Written:
     def chosen(self) -> Form:
         """The form, once it is found to fit the file."""
         from palpate.cli.rows import check_output
+        from palpate.errors import PalpateError
 
-        form = Form.JSON if self.as_json else self.form
+        if self.as_json and self.form not in (None, Form.JSON):
+            raise PalpateError(
+                f"--json: is --format json, and --format {self.form.value} was found; expected one of them"
+            )
+        form = Form.JSON if self.as_json else self.form or Form.TABLE
         check_output(form, self.output)
         return form
 
@@ -60,13 +67,14 @@ def list_(which: Which, how: How, written: Written, place: Place) -> None:
     """List recordings, the last ones first; as CSV or Parquet the results, a row for each."""
     from palpate.cli.rows import write_rows, write_text
     from palpate.cli.store_view import page_json, page_table, tell_next
-    from palpate.cli.storing import check_known
+    from palpate.cli.storing import check_known, check_name
     from palpate.cli.terminal import is_terminal, print_whole
     from palpate.errors import PalpateError
     from palpate.store.entries_table import entries_table
-    from palpate.store.filters import Filter, Sort
+    from palpate.store.filters import SORTS, Filter, Sort
     from palpate.store.listing import list_recordings
 
+    check_name("--sort", how.sort, SORTS)
     form, sort = written.chosen, Sort(how.sort, not how.ascending)
     if form.is_flat and how.cursor is not None:
         raise PalpateError("--cursor: is for pages, and CSV and Parquet have none; expected --format table or json")

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = [
     "check_installed",
     "check_known",
+    "check_name",
     "labels_of",
     "moment_of",
     "opened",
@@ -47,6 +48,12 @@ def opened(place: str | None, blobs: str | None, *, make: bool = False) -> Itera
 
     with open_store(place, blobs, make=make) as found:
         yield found
+
+
+def check_name(option: str, found: str, names: Iterable[str]) -> None:
+    """Refuse what is none of the names that an option takes."""
+    if found not in names:
+        raise PalpateError(f"{option}: {found!r} was found{near(found, names)}; {choices(names)}")
 
 
 def labels_of(option: str, texts: Iterable[str]) -> Mapping[str, str]:
