@@ -15,26 +15,10 @@ if TYPE_CHECKING:
     from palpate.store.filters import Filter
     from palpate.store.store import Store
 
-__all__ = ["BlobsOption", "Place", "StoreOption", "Which", "WideOption"]
+__all__ = ["Place", "Which", "WideOption"]
 
 PLACE, WHICH = "The store", "Which recordings"
 
-StoreOption = Annotated[
-    str | None,
-    typer.Option(
-        "--store",
-        help="SQLite file or postgresql+psycopg://... (default: PALPATE_STORE, or your own).",
-        rich_help_panel=PLACE,
-    ),
-]
-BlobsOption = Annotated[
-    str | None,
-    typer.Option(
-        "--blobs",
-        help="Folder or s3://... for large bytes (default: PALPATE_BLOBS, or beside the file).",
-        rich_help_panel=PLACE,
-    ),
-]
 WideOption = Annotated[
     bool, typer.Option("--wide", help="Whole ids also in a terminal, where they are shortened otherwise.")
 ]
@@ -44,14 +28,28 @@ WideOption = Annotated[
 class Place:
     """Where the store is."""
 
-    place: StoreOption = None
-    blobs: BlobsOption = None
+    place: Annotated[
+        str | None,
+        typer.Option(
+            "--store",
+            help="SQLite file or postgresql+psycopg://... (default: PALPATE_STORE, or your own).",
+            rich_help_panel=PLACE,
+        ),
+    ] = None
+    blobs: Annotated[
+        str | None,
+        typer.Option(
+            "--blobs",
+            help="Folder or s3://... for large bytes (default: PALPATE_BLOBS, or beside the file).",
+            rich_help_panel=PLACE,
+        ),
+    ] = None
 
     def opened(self, *, make: bool = False) -> AbstractContextManager[Store]:
         """The store, closed afterwards; one that is not there is made only where it was asked for."""
-        from palpate.cli.storing import opened
+        from palpate.store.opening import open_store
 
-        return opened(self.place, self.blobs, make=make)
+        return open_store(self.place, self.blobs, make=make)
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,8 @@
-"""What the commands of `palpate store` share: opening, strings to objects, and telling what was done."""
+"""What the commands of `palpate store` share: strings to objects, and telling what was done."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
@@ -22,7 +21,6 @@ __all__ = [
     "check_name",
     "labels_of",
     "moment_of",
-    "opened",
     "tell_faults",
 ]
 
@@ -39,15 +37,6 @@ def check_installed() -> None:
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
         raise PalpateError(f'palpate store needs {missing[0]}, which is not installed: pip install "palpate[store]"')
-
-
-@contextmanager
-def opened(place: str | None, blobs: str | None, *, make: bool = False) -> Iterator[Store]:
-    """The store of the options, closed afterwards; one that is not there is made only where it was asked for."""
-    from palpate.store.opening import open_store
-
-    with open_store(place, blobs, make=make) as found:
-        yield found
 
 
 def check_name(option: str, found: str, names: Iterable[str]) -> None:
