@@ -8,12 +8,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from palpate.cli.storing import check_installed, opened
+from palpate.cli.storing import check_installed
 from palpate.network.digest import digest
 from palpate.robots.protocol import Robot
 
 if TYPE_CHECKING:
-    from palpate.cli.preparing import Asked, Ready
+    from palpate.cli.asked import Asked
+    from palpate.cli.preparing import Ready
+    from palpate.cli.store_options import Place
     from palpate.episode.keeping import KeptEpisode
     from palpate.store.records import Setup
 
@@ -35,7 +37,7 @@ class Kept:
 
 
 @contextmanager
-def keeping(asked: Asked, ready: Ready) -> Iterator[Kept]:
+def keeping(asked: Asked, place: Place, ready: Ready) -> Iterator[Kept]:
     """Keep an exploration in the store of the options while the block runs, where that was asked for.
 
     What could not be sent to the store is told on standard error in the end.
@@ -49,7 +51,7 @@ def keeping(asked: Asked, ready: Ready) -> Iterator[Kept]:
     from palpate.store.records import ThingRef
 
     network = ready.prior.network
-    with opened(asked.place, asked.blobs) as store:
+    with place.opened(make=True) as store:
         # what was drawn or replayed must not be taken for a measurement of the object
         dataset, notice = ("replayed", "replayed from") if asked.replay else ("simulated", "drawn from")
         robot = RecordedRobot(

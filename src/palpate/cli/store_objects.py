@@ -28,7 +28,7 @@ def object_() -> None:
 def objects(place: Place, as_json: Json = False) -> None:
     """List objects, and what is known of each."""
     from palpate.cli.object_view import things_json, things_table
-    from palpate.cli.terminal import console
+    from palpate.cli.terminal import print_whole
     from palpate.store.things import list_things
 
     with place.opened() as store:
@@ -36,7 +36,7 @@ def objects(place: Place, as_json: Json = False) -> None:
     if as_json:
         print(things_json(found))
     else:
-        console().print(things_table(found))
+        print_whole(things_table(found) if found else "no objects yet")
 
 
 @app.command("show")
@@ -50,7 +50,7 @@ def show(
     """Show an object: description, known properties, images, and what was measured by property and device."""
     from palpate.cli.knowing import save_images
     from palpate.cli.object_view import thing_json, thing_view
-    from palpate.cli.terminal import console
+    from palpate.cli.terminal import print_whole
     from palpate.store.audit import history
     from palpate.store.measured import measured_of
     from palpate.store.things import find_thing
@@ -63,7 +63,7 @@ def show(
     if as_json:
         print(thing_json(thing, measured, changes))
     else:
-        console().print(thing_view(thing, measured, changes))
+        print_whole(thing_view(thing, measured, changes))
 
 
 @app.command("add")
@@ -82,7 +82,7 @@ def add(
     dataset, slash, name = path.partition("/")
     if not slash:
         raise PalpateError(f"{path!r} was found, expected DATASET/NAME")
-    with place.opened() as store:
+    with place.opened(make=True) as store:
         new = add_thing(store, ThingRef(dataset, name), who=who_of(who))
     print(f"{path}: {'added' if new else 'is there already'}")
 

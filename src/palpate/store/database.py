@@ -15,7 +15,7 @@ from sqlalchemy.exc import ArgumentError, DatabaseError
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.outages import tell_outages
 
-__all__ = ["LATEST", "changing", "connect", "migrate", "revision", "up_to_date", "writing"]
+__all__ = ["LATEST", "changing", "connect", "is_store", "migrate", "revision", "up_to_date", "writing"]
 
 LATEST = "0002"
 MIGRATIONS = Path(__file__).parent / "migrations"
@@ -33,7 +33,7 @@ def connect(url: str, *, durable: bool = True) -> Engine:
     Parameters
     ----------
     url
-        ``sqlite:///path`` or ``postgresql+psycopg://...``.
+        ``sqlite:///path`` or ``postgresql+psycopg://...``, or ``postgresql://...`` for the same.
     durable
         Whether what was committed survives a loss of power; without, SQLite may lose the last commits then, and is
         faster. A killed program loses nothing in either case.
@@ -49,14 +49,26 @@ def connect(url: str, *, durable: bool = True) -> Engine:
         raise StoreError(
             f"store {url!r}: is no address, expected a path, sqlite:///... or postgresql+psycopg://..."
         ) from None
-    if address.get_backend_name() == "postgresql":
+    if address.drivername in ("postgresql", "postgres"):
+        address = address.set(drivername="postgresql+psycopg")
+    if address.drivername == "postgresql+psycopg":
+        return _postgresql(address)
+    if address.get_backend_name() != "sqlite":
+        found = f"store {address!r}: found {address.drivername!r}"
+        raise StoreError(f"{found}, expected a path, sqlite:///... or postgresql+psycopg://...")
+    return _sqlite(address, durable=durable)
+
+
+def _postgresql(address: URL) -> Engine:
+    try:
         # whatever the encoding of the database, what is sent and read is text
         engine = create_engine(address, pool_pre_ping=True, connect_args={"client_encoding": "utf8"})
-        tell_outages(engine)
-        return engine
-    if address.get_backend_name() != "sqlite":
-        raise StoreError(f"store {url!r}: found {address.get_backend_name()!r}, expected SQLite or PostgreSQL")
-    return _sqlite(address, durable=durable)
+    except ImportError as error:
+        raise StoreError(
+            f'store {address!r}: needs psycopg, which is not installed: pip install "palpate[postgresql]"'
+        ) from error
+    tell_outages(engine)
+    return engine
 
 
 def _sqlite(address: URL, *, durable: bool) -> Engine:
@@ -114,6 +126,18 @@ def revision(connection: Connection) -> str | None:
     return found
 
 
+def is_store(engine: Engine) -> bool:
+    """Whether there are the tables of a store in a database.
+
+    Raises
+    ------
+    StoreError
+        If the database cannot be reached.
+    """
+    with _told(engine), engine.connect() as connection:
+        return revision(connection) is not None
+
+
 def up_to_date(engine: Engine) -> None:
     """Make the tables, or change those of an older version.
 
@@ -122,11 +146,17 @@ def up_to_date(engine: Engine) -> None:
     StoreError
         If the database cannot be reached, or a newer version of the package made it.
     """
-    try:
+    with _told(engine):
         with engine.connect() as connection:
             if revision(connection) == LATEST:
                 return
         migrate(engine, "head")
+
+
+@contextmanager
+def _told(engine: Engine) -> Iterator[None]:
+    try:
+        yield
     except DatabaseError as error:
         # PostgreSQL tells on further lines where in a statement
         said = str(error.orig).partition("\n")[0]

@@ -23,10 +23,11 @@ Told = Callable[[int, int], None]
 
 @dataclass(frozen=True)
 class Written:
-    """What became of an export: how many recordings are in it, and what is not and why."""
+    """What became of an export: how many recordings are in it, what is not and why, and how many are not public."""
 
     recordings: int
     notices: tuple[str, ...] = ()
+    withheld: int = 0
 
 
 class Format(Protocol):
