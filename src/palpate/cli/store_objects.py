@@ -222,10 +222,14 @@ def split(name: Name, place: Place, who: Who = None) -> None:
 def undo(name: Name, place: Place, who: Who = None) -> None:
     """Take back the last change of an object that holds; again, the one before."""
     from palpate.cli.knowing import who_of
+    from palpate.cli.object_view import change_lines
     from palpate.store.things import find_thing
     from palpate.store.undoing import undo as take_back
 
     with place.opened() as store:
         thing = find_thing(store, name)
-        what = take_back(store, thing.ref, who=who_of(who))
-    print(f"{thing.path}: the last change ({what}) is taken back")
+        change = take_back(store, thing.ref, who=who_of(who))
+    by = "" if change.who is None else f" by {change.who}"
+    print(f"{thing.path}: taken back what was {change.what}{by} at {change.at:%Y-%m-%d %H:%M:%S} UTC")
+    for line in change_lines(change.detail):
+        print(f"- {line}")
