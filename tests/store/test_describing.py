@@ -46,7 +46,7 @@ def test_changes_are_undone_last_first(filled: Store) -> None:
     change_thing(filled, MUG, lambda thing: thing.described(common_name="coffee mug"))
     merge_things(filled, MUG, ThingRef("made_up", "box"))
     change_thing(filled, MUG, lambda thing: thing.knowing(Value("mass", 118.0, unit="g"), "scale"))
-    assert [undo(filled, MUG, who="bob") for _ in range(3)] == ["changed", "merged", "changed"]
+    assert [undo(filled, MUG, who="bob").what for _ in range(3)] == ["changed", "merged", "changed"]
     assert find_thing(filled, "mug") == before
     assert {change.undone_by for change in history(filled, MUG)} == {"bob"}
     with pytest.raises(StoreError, match="made_up mug has no change to take back"):
