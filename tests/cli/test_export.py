@@ -13,13 +13,14 @@ import typer.main
 
 from palpate.cli import store_options as module
 from palpate.cli.app import app
-from palpate.cli.exporting import ALLOWED, Wishes
+from palpate.cli.exporting import ALLOWED, Wishes, tell_written
 from palpate.cli.store_options import Which
 from palpate.store.archive import Archive
 from palpate.store.exporting.hugging_face import HuggingFace
 from palpate.store.exporting.lerobot.dataset import LeRobot
 from palpate.store.exporting.lerobot.resampling import Linear, Nearest
 from palpate.store.exporting.tables import Tables
+from palpate.store.exporting.writing import Written
 from palpate.store.filters import Filter
 from palpate.store.opening import open_store
 from palpate.store.reading_archive import read_archive
@@ -63,7 +64,7 @@ def test_each_format_is_written(run: Any, place: Path, tmp_path: Path) -> None:
 
 def test_filters_are_those_of_list(run: Any, place: Path, tmp_path: Path) -> None:
     """What list shows for some options is what export takes for the same."""
-    for number, options in enumerate((["--object", "object0"], ["--property", "elasticity", "--gripper", "nobody's"])):
+    for number, options in enumerate((["--object", "object0"], ["--property", "elasticity", "--until", "2000-01-01"])):
         shown = json.loads(run("store", "list", *options, "--json").out)["recordings"]
         assert run("store", "export", tmp_path / str(number), *options).code == 0
         assert {str(each.id) for each in read_archive(tmp_path / str(number))} == {row["id"] for row in shown}
@@ -85,8 +86,17 @@ def test_private_recordings_come_when_asked_for(run: Any, place: Path, tmp_path:
             ["--format", "parket"],
             "--format: 'parket' was found (did you mean 'parquet'?); choose from 'archive', 'parquet'",
         ),
-        (["--format", "parquet"], "authors: no recording names an owner, expected an author (authors, --author)"),
-        (["--format", "lerobot", "--author", "x"], "licence: found none for 3 recordings; expected one for all"),
+        (
+            ["--format", "parquet"],
+            "export: --author: no recording names an owner, expected who made the data; "
+            "--licence: found none for 3 recordings, expected one for all",
+        ),
+        (["--format", "lerobot", "--author", "x"], "--licence: found none for 3 recordings, expected one for all"),
+        (
+            ["--format", "hugging-face", "--object", "object0", "--until", "2024-05-01T12:00:01"],
+            "--include-private: none of the 1 recording that match is public, expected some; --author: no recording "
+            "names an owner, expected who made the data; --licence: found none for 1 recording, expected one for all",
+        ),
         (
             ["--licence", "MIT"],
             "--licence: is nothing that --format archive has, expected --format parquet or hugging-face",
@@ -105,7 +115,8 @@ def test_private_recordings_come_when_asked_for(run: Any, place: Path, tmp_path:
             "--assumed-rate: nan was found, expected samples per second",
         ),
         (["--format", "lerobot", "--fps", "0"], "Invalid value for '--fps'"),
-        (["--format", "parquet", "--action", "dancing"], "export: no recording matches, expected one at least"),
+        (["--format", "parquet", "--text", "dancing"], "export: no recording matches, expected one at least"),
+        (["--format", "parquet", "--action", "dancing"], "--action: the store has no action 'dancing'"),
         (["--since", "soon"], "--since: 'soon' was found, expected a date or time"),
     ],
 )
@@ -114,6 +125,24 @@ def test_bad_options_are_refused(run: Any, place: Path, tmp_path: Path, options:
     before = set(tmp_path.iterdir())
     assert message in run("store", "export", tmp_path / "new", *options).refused
     assert set(tmp_path.iterdir()) == before
+
+
+def test_all_that_is_lacking_is_told_at_once(run: Any, tmp_path: Path) -> None:
+    """The example has neither a licence nor rates, and is private: one sentence names each option."""
+    place = ("--store", tmp_path / "example.sqlite")
+    run("store", "import", "--example", *place)
+    weighing = ("store", "export", tmp_path / "new", "--format", "lerobot", "--action", "weighing", *place)
+    refused = run(*weighing).refused
+    for option in (
+        "--include-private: none of",
+        "--author: no",
+        "--licence: found none",
+        "--assumed-rate: neither a rate",
+    ):
+        assert option in refused
+    assert "joint4_torque of 1 recording, expected samples per second to assume" in refused
+    stated = ("--include-private", "--author", "x", "--licence", "MIT", "--assumed-rate", 100)
+    assert run(*weighing, *stated).code == 0
 
 
 def test_an_existing_folder_is_left_alone(run: Any, place: Path, tmp_path: Path) -> None:
@@ -161,11 +190,12 @@ def test_options_become_objects() -> None:
     assert set(ALLOWED) == {"archive", "parquet", "hugging-face", "lerobot"}
 
 
-def test_many_notices_are_cut_short(run: Any, place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_many_notices_are_cut_short(capsys: pytest.CaptureFixture[str]) -> None:
     """Where much was left out the command says how much more there is; the card has it."""
-    monkeypatch.setattr("palpate.cli.exporting.SHOWN", 0)
-    ran = run("store", "export", tmp_path / "new", "--format=parquet", "--licence=MIT", "--author=x")
-    assert ran.out.endswith("- and 1 more\n")
+    tell_written(Path("new"), Written(3, tuple(f"notice {number}" for number in range(23)), withheld=2))
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[:2] == ["new: 3 recordings", "- 2 recordings left out, not public (--include-private takes them too)"]
+    assert lines[2:] == [*(f"- notice {number}" for number in range(20)), "- and 3 more"]
 
 
 def test_commands_that_select_share_their_options() -> None:

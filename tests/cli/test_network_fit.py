@@ -20,6 +20,7 @@ def lab(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     with open_store(tmp_path / "store.sqlite", durable=False) as store:
         fill(store, network, specimens)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PALPATE_STORE", "own.sqlite")
     return tmp_path
 
 
@@ -73,26 +74,30 @@ def test_a_template_without_numbers(run: Any, lab: Path) -> None:
 def test_a_filter_is_in_the_command(run: Any, lab: Path) -> None:
     """Which readings were used is part of the provenance; with none of them, sensors stay as they are."""
     fitted = run("network", "fit", "--like", "workshop.toml", "--store", "store.sqlite", "-o", "own.toml",
-                 "--gripper", "soft", "--since", "2024-01-01", "--keep", "kind", "--folds", 0)  # fmt: skip
+                 "--since", "1999-01-01", "--until", "2000-01-01", "--keep", "kind", "--folds", 0)  # fmt: skip
     assert "look, weigh, scratch: as in the template: no data" in fitted.out
     command = read_document("own.toml").section("provenance").text("command")
-    assert "--gripper soft --since 2024-01-01 --pseudo-count 0.2 --keep kind --output own.toml" in command
+    assert "--since 1999-01-01 --until 2000-01-01 --pseudo-count 0.2 --keep kind --output own.toml" in command
 
 
 CSV = ("--csv", "objects.csv", "--csv-readings", "readings.csv")
 REFUSED = {
-    "nothing": ((), "network fit: found neither --store nor --csv; expected one of them"),
-    "both": (("--store", "store.sqlite", *CSV), "network fit: found both --store and --csv"),
-    "no store": (("--store", "nowhere.sqlite"), "--store: there is no file nowhere.sqlite"),
+    "nothing": ((), "there is no store at"),
+    "both": (
+        ("--store", "store.sqlite", *CSV),
+        "--store: for a store alone, and --csv was found; expected one of them",
+    ),
+    "no store": (("--store", "nowhere.sqlite"), "there is no store at"),
     "no table": (("--csv", "nowhere.csv"), "nowhere.csv: found a file that cannot be read"),
-    "gripper": ((*CSV, "--gripper", "soft"), "--gripper: for a store alone, expected --store"),
+    "gripper": ((*CSV, "--gripper", "soft"), "--gripper: for a store alone, and --csv was found"),
+    "unknown": (("--store", "store.sqlite", "--gripper", "soft"), "--gripper: the store has no gripper 'soft'"),
     "readings": (("--store", "store.sqlite", "--csv-readings", "readings.csv"), "for tables alone, expected --csv"),
     "column": ((*CSV, "--column", "mass"), "--column: 'mass' was found, expected COLUMN=PROPERTY"),
     "since": (("--store", "store.sqlite", "--since", "soon"), "--since: 'soon' was found"),
     "date": ((*CSV, "--date", "soon"), "--date: 'soon' was found, expected a date such as 2024-05-01"),
     "count": ((*CSV, "--pseudo-count", "0"), "pseudo-count: found 0; expected a number above 0"),
     "keep": ((*CSV, "--keep", "wiegh"), "keep: found 'wiegh' (did you mean 'weigh'?)"),
-    "folds": ((*CSV, "--folds", "1"), "folds: found 1; expected 2 at least"),
+    "folds": ((*CSV, "--folds", "1"), "--folds: found 1, expected 2 at least, or 0 for no scores"),
     "empty": (("--csv", "empty.csv"), "found 0 objects that say nothing of the network"),
 }
 
@@ -114,20 +119,47 @@ def test_a_template_that_is_not_there_and_an_output_that_cannot_be(run: Any, lab
     assert "--output: the folder nowhere does not exist" in refused
 
 
-def test_an_output_is_replaced_whole(run: Any, lab: Path) -> None:
-    """A file that is there stays where a fit fails, and is replaced where it does not; it may be the template."""
+def test_an_output_is_replaced_when_asked(run: Any, lab: Path) -> None:
+    """A file that is there stays unless --force is given, and where a fit fails; it may be the template."""
     before = (lab / "workshop.toml").read_text()
-    assert run("network", "fit", "--like", "workshop.toml", "--csv", "no.csv", "-o", "workshop.toml").code == 2
+    onto = ("network", "fit", "--like", "workshop.toml", "-o", "workshop.toml")
+    refused = run(*onto, *CSV, "--folds", 0).refused
+    assert "--output: workshop.toml exists already, expected the name of a new file, or --force" in refused
+    assert run(*onto, "--csv", "no.csv", "--force").code == 2
     assert (lab / "workshop.toml").read_text() == before
-    assert run("network", "fit", "--like", "workshop.toml", *CSV, "-o", "workshop.toml", "--folds", 0).code == 0
+    assert run(*onto, *CSV, "--folds", 0, "--force").code == 0
     assert "provenance" in (lab / "workshop.toml").read_text()
+
+
+def test_objects_of_the_template_are_left_out(run: Any, lab: Path) -> None:
+    """They are others than those that the network was fitted to, and it is told."""
+    truth = "kind = 'bolt'\nmetal = 'brass'\ndensity = 8\nvolume = 2\nhardness = 1\n"
+    (lab / "workshop.toml").write_text((lab / "workshop.toml").read_text() + f"\n[objects.lamp.truth]\n{truth}")
+    assert list(load_network("workshop.toml").objects) == ["lamp"]
+    fitted = run("network", "fit", "--like", "workshop.toml", *CSV, "-o", "own.toml", "--folds", 0)
+    assert "the 1 known object of the template are others, and are left out" in " ".join(fitted.out.split())
+    assert not load_network("own.toml").objects
+
+
+def test_the_store_of_the_environment_is_taken(run: Any, lab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without --store and --csv the store is the one that other commands take."""
+    monkeypatch.setenv("PALPATE_STORE", "store.sqlite")
+    assert run("network", "fit", "--like", "workshop.toml", "-o", "own.toml", "--folds", 0).code == 0
+    assert "--store" not in read_document("own.toml").section("provenance").text("command")
 
 
 def test_a_password_stays_secret(monkeypatch: pytest.MonkeyPatch) -> None:
     """The command in the file does not hold the password of a database."""
+    from palpate.cli.fit_options import OfStore, Tables
     from palpate.cli.fitting import From, _command
+    from palpate.cli.store_options import Place
     from palpate.fitting.settings import Settings
 
-    told = _command("household", From(store="postgresql+psycopg://ann:secret@host/lab"), Settings(), Path("own.toml"))
+    told = _command(
+        "household",
+        From(Place("postgresql+psycopg://ann:secret@host/lab"), OfStore(), Tables()),
+        Settings(),
+        Path("own.toml"),
+    )
     assert "postgresql+psycopg://ann:***@host/lab" in told
     assert "secret" not in told

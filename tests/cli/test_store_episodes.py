@@ -94,15 +94,16 @@ def test_episodes_are_listed_and_shown(run: Any, place: Path, tmp_path: Path) ->
     [
         (("ceramic_mug", "--robot", "replay", "--session", "store"), "object 'ceramic_mug': is not in the store"),
         (("--robot", "replay", "--session", "store"), "no OBJECT was found"),
-        (("--robot", "replay", "--session", "store:mug"), "digest: found 'mug'"),
+        (("--robot", "replay", "--session", "store:mug"), "'mug': is not the beginning of an id"),
         (("--robot", "replay", "--session", f"store:{'0' * 32}"), "is not in the store"),
         (("ceramic_mug", "--session", "store"), "--session is only for --robot replay"),
         (("ceramic_mug", "--store", "x.sqlite"), "--store and --blobs are for --record and --session store"),
-        (("ceramic_mug", "--record", "--store", "mysql://x/y"), "PALPATE_BLOBS: is not set"),
+        (("ceramic_mug", "--record", "--store", "mysql://x/y"), "store mysql://x/y: found 'mysql', expected"),
     ],
 )
 def test_what_cannot_be_replayed_is_refused(run: Any, place: Path, arguments: tuple[str, ...], message: str) -> None:
     """One sentence before anything is done."""
+    open_store(place).close()
     assert message in run("explore", *arguments).refused
 
 

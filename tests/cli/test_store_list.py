@@ -58,6 +58,9 @@ def test_json_goes_to_a_file_too(run: Any, place: Path, tmp_path: Path) -> None:
         (["--format", "parquet"], "--format parquet: is for a file, expected --output FILE"),
         (["--output", "x.txt"], "--output: a table is for people"),
         (["--format", "csv", "--cursor", "x"], "--cursor: is for pages"),
+        (["--format", "csv", "--json"], "--json: is --format json, and --format csv was found; expected one of them"),
+        (["--format", "table", "--json"], "--json: is --format json, and --format table was found"),
+        (["--sort", "recorder"], "--sort: 'recorder' was found (did you mean 'recorded'?); choose from 'recorded'"),
         (["--format", "csv", "-o", "nowhere/x.csv"], "--output: the folder nowhere does not exist"),
         (["--known", "mug"], "--known: 'mug' was found, expected PROPERTY=LABEL"),
     ],
@@ -103,9 +106,15 @@ def test_curves_are_written_as_a_table(run: Any, place: Path, tmp_path: Path) ->
     for row, channel in zip(rows, squeeze(6).series[0].channels, strict=True):
         assert (row["channel"], row["unit"], row["shape"]) == (channel.name, channel.unit, list(channel.values.shape))
         assert np.array_equal(np.reshape(row["values"], row["shape"]), channel.values)
-    assert run("store", "curves", "--gripper", "third", "-o", path).out == f"{path}: 0 channels\n"
+    none = ("--gripper", "another", "--action", "looking")
+    assert run("store", "curves", *none, "-o", path).out == f"{path}: 0 channels\n"
     assert pq.read_table(path).num_rows == 0
-    assert "has no ending of a file of curves" in run("store", "curves", "--gripper", "x", "-o", "x.csv").refused
+    wrong = run("store", "curves", "--gripper", "two_finger", "-o", tmp_path / "x.csv").refused
+    assert f"--output: '{tmp_path / 'x.csv'}' has no ending of a file of curves" in wrong
+    before = set(tmp_path.iterdir())
+    unknown = run("store", "curves", "--gripper", "two_fingers", "-o", tmp_path / "new.npz").refused
+    assert "--gripper: the store has no gripper 'two_fingers' (did you mean 'two_finger'?)" in unknown
+    assert set(tmp_path.iterdir()) == before
 
 
 def test_devices_are_listed_with_their_calibration(run: Any, place: Path) -> None:
@@ -124,3 +133,51 @@ def test_recordings_are_found_by_what_is_known(run: Any, place: Path) -> None:
     rows = json.loads(run("store", "list", "--known", "kind=mug", "--json").out)["recordings"]
     assert {row["thing"] for row in rows} == {"object0"}
     assert len(rows) == 4
+
+
+UNKNOWN = {
+    ("--object", "objekt1"): "--object: the store has no object 'objekt1' (did you mean 'object1'?)",
+    ("--dataset", "made-up"): "--dataset: the store has no dataset 'made-up' (did you mean 'made_up'?)",
+    ("--action", "sqeezing"): "'sqeezing' (did you mean 'squeezing'?); choose from 'looking', 'squeezing'",
+    ("--property", "elastisity"): "--property: the store has no property 'elastisity' (did you mean 'elasticity'?)",
+    ("--device", "two_fingr"): "--device: the store has no device 'two_fingr' (did you mean 'two_finger'?)",
+    ("--gripper", "two_fingr"): "--gripper: the store has no gripper 'two_fingr' (did you mean 'two_finger'?)",
+    ("--owner", "ann"): "--owner: the store has no owner 'ann'",
+    ("--label", "kin=mug"): "--label: the store has no property 'kin' (did you mean 'kind'?)",
+    ("--label", "kind=mugg"): "--label: the store has no label of kind 'mugg' (did you mean 'mug'?)",
+    ("--known", "kind=box"): "--known: the store has no label of kind 'box'; choose from 'mug'",
+}
+
+
+@pytest.mark.parametrize("typed", UNKNOWN)
+def test_a_name_that_the_store_does_not_know_is_refused(run: Any, place: Path, tmp_path: Path, typed: Any) -> None:
+    """In every form, and by an export too; nothing is written, and the name that was meant is proposed."""
+    before = set(tmp_path.iterdir())
+    for command in (
+        ("list",),
+        ("list", "--json"),
+        ("list", "--format", "csv"),
+        ("export", tmp_path / "new"),
+    ):
+        assert UNKNOWN[typed] in run("store", *command, *typed).refused
+    assert set(tmp_path.iterdir()) == before
+
+
+def test_what_matches_nothing_says_so(run: Any, place: Path, tmp_path: Path) -> None:
+    """Names that are known but do not meet are no error: in words for people, and empty for programs."""
+    none = ("--action", "looking", "--gripper", "another")
+    assert run("store", "list", *none) == run("store", "list", "--text", "xyz")
+    assert (run("store", "list", *none).code, run("store", "list", *none).out) == (0, "no recording matches\n")
+    assert json.loads(run("store", "list", *none, "--json").out)["recordings"] == []
+    assert len(run("store", "list", *none, "--format", "csv").out.splitlines()) == 1
+    assert run("store", "episodes", "--object", "object1").out == "no episode matches\n"
+    assert "(did you mean 'object1'?)" in run("store", "episodes", "--object", "objekt1").refused
+    assert "NAME: the store has no device 'two_fingr'" in run("store", "devices", "two_fingr").refused
+
+
+def test_a_store_without_anything_says_so(run: Any, place: Path, tmp_path: Path) -> None:
+    """Lists of nothing are sentences and no bare headers."""
+    open_store(tmp_path / "empty.sqlite").close()
+    told = {"list": "recordings", "episodes": "episodes", "objects": "objects", "devices": "devices"}
+    for command, what in (told | {"table": "measured values"}).items():
+        assert run("store", command, "--store", tmp_path / "empty.sqlite").out == f"no {what} yet\n"

@@ -42,6 +42,15 @@ def test_the_environment_says_where(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         assert (tmp_path / "data" / "store.sqlite").exists()
 
 
+def test_a_store_that_is_not_there_is_not_made_for_who_only_reads(tmp_path: Path) -> None:
+    """It is an error, and leaves nothing behind; one that is there is opened."""
+    with pytest.raises(StoreError, match=r"there is no store at .*new.sqlite, expected one"):
+        open_store(tmp_path / "lab" / "new.sqlite", make=False)
+    assert not list(tmp_path.iterdir())
+    open_store(tmp_path / "new.sqlite").close()
+    open_store(tmp_path / "new.sqlite", make=False).close()
+
+
 def test_places_that_cannot_be_used_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A folder under a file, a file that is no database and PostgreSQL without blobs are errors in one sentence."""
     monkeypatch.delenv("PALPATE_BLOBS", raising=False)
@@ -49,7 +58,7 @@ def test_places_that_cannot_be_used_are_refused(tmp_path: Path, monkeypatch: pyt
     plain.write_text("mug" * 1000)
     with pytest.raises(StoreError, match="cannot be made"):
         open_store(plain / "store.sqlite")
-    with pytest.raises(StoreError, match="PALPATE_BLOBS: is not set"):
+    with pytest.raises(StoreError, match="PALPATE_BLOBS is not set"):
         open_store("postgresql+psycopg://lab@127.0.0.1:1/nowhere")
     with pytest.raises(StoreError, match="not a database"):
         open_store(plain)
@@ -83,6 +92,16 @@ def test_text_is_text_whatever_the_encoding_of_the_database(server: Connection, 
         assert store.get(recording.id) == recording
         assert len(list_recordings(store, Filter(action="drücken 押", text="häferl")).rows) == 1
         assert list(verify(store)) == []
+
+
+def test_an_empty_database_of_a_server_is_no_store(server: Connection, tmp_path: Path) -> None:
+    """Who only reads gets no tables there, and no password is told."""
+    server.exec_driver_sql("CREATE DATABASE palpate_odd TEMPLATE template0")
+    place = server.engine.url.set(database="palpate_odd", drivername="postgresql").render_as_string(hide_password=False)
+    with pytest.raises(StoreError, match=r"there is no store at postgresql.*palpate_odd, expected one"):
+        open_store(place, tmp_path, make=False)
+    open_store(place, tmp_path).close()
+    open_store(place, tmp_path, make=False).close()
 
 
 def test_what_a_user_may_not_do_is_an_error_in_one_sentence(server: Connection, tmp_path: Path) -> None:

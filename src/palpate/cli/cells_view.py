@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
+from palpate.cli.terminal import folding_table
 from palpate.figures.wording import number
 
 if TYPE_CHECKING:
@@ -21,11 +22,7 @@ def cells_table(cells: Sequence[Cell]) -> Table:
     """A row for each object, a column for each property."""
     names = sorted({(cell.property, cell.unit) for cell in cells})
     found = {(cell.dataset, cell.thing, cell.property): cell for cell in cells}
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in ("object", "dataset"):
-        table.add_column(name, overflow="fold")
-    for name, unit in names:
-        table.add_column(f"{name} [{unit}]", overflow="fold")
+    table = folding_table("object", "dataset", *(f"{name} [{unit}]" for name, unit in names))
     for dataset, thing in sorted({(cell.dataset, cell.thing) for cell in cells}):
         row = [found.get((dataset, thing, name)) for name, _ in names]
         table.add_row(thing, dataset, *("" if cell is None else cell_words(cell) for cell in row))
@@ -48,9 +45,7 @@ def cell_words(cell: Cell) -> str:
 
 def devices_table(found: Sequence[KnownDevice]) -> Table:
     """A row for each device and calibration."""
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in ("kind", "device", "maker", "calibrated on", "calibration", "recordings"):
-        table.add_column(name, overflow="fold")
+    table = folding_table("kind", "device", "maker", "calibrated on", "calibration", "recordings", right=(5,))
     for device, count in found:
         told = json.dumps(device.calibration) if device.calibration else ""
         table.add_row(

@@ -11,6 +11,8 @@ from rich.table import Table
 from rich.text import Text
 
 from palpate.cli.files import replacing
+from palpate.cli.short_ids import shortened
+from palpate.cli.terminal import folding_table
 from palpate.episode.format import episode_of
 from palpate.figures.wording import number, outcome_words
 from palpate.logfile import Line, write_line
@@ -22,12 +24,14 @@ if TYPE_CHECKING:
 __all__ = ["episode_json", "episode_view", "episodes_json", "episodes_table", "write_log"]
 
 
-def episodes_table(page: EpisodePage) -> Table:
-    """A page of a list."""
-    table = _table("began (UTC)", "object", "actions", "stopped as")
+def episodes_table(page: EpisodePage, *, whole: bool = True) -> Table:
+    """A page of a list; ids whole, or as short as they can be told apart on it."""
+    write = shortened((row.id for row in page.rows), whole=whole)
+    table = folding_table("episode", "began (UTC)", "object", "actions", "stopped as", right=(3,))
+    table.columns[0].no_wrap = True
     for row in page.rows:
         table.add_row(
-            str(row.id),
+            write(row.id),
             f"{row.started_at:%Y-%m-%d %H:%M}",
             row.common_name or row.thing,
             str(row.actions),
@@ -42,15 +46,15 @@ def episodes_json(page: EpisodePage) -> str:
     return json.dumps({"episodes": rows, "cursor": page.cursor}, indent=1)
 
 
-def episode_view(stored: StoredEpisode) -> RenderableType:
-    """How an object was explored, and each step with its recording."""
+def episode_view(stored: StoredEpisode, *, whole: bool = True) -> RenderableType:
+    """How an object was explored, and each step with its recording; digests whole, or as short as will do."""
     lines = [Line(f"episode {stored.id} line {place}", record) for place, record in enumerate(stored.records, 1)]
     episode = episode_of(lines)
     about = episode.about
     how = f"network {episode.network}, objective {about.objective}, policy {about.policy}, robot {about.robot}"
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in ("step", "action", "outcome", "expected", "realised", "surprise", "time", "recording"):
-        table.add_column(name, overflow="fold")
+    names = ("step", "action", "outcome", "expected", "realised", "surprise", "time", "recording")
+    table = folding_table(*names, right=(0, 3, 4, 5, 6))
+    write = shortened((kept.recording for kept in stored.steps if kept.recording), whole=whole)
     for step, kept in zip(episode.steps, stored.steps, strict=False):
         table.add_row(
             str(step.index),
@@ -60,7 +64,7 @@ def episode_view(stored: StoredEpisode) -> RenderableType:
             number(step.realised_gain_bits),
             number(step.surprise, 2),
             f"{step.total_cost_s:g} s",
-            (kept.recording or "none")[:12],
+            write(kept.recording) if kept.recording else "none",
         )
     head = f"{stored.thing.dataset}/{stored.thing.id}, {stored.started_at:%Y-%m-%d %H:%M:%S} UTC"
     end = f"stopped: {episode.stop}" if episode.stop is not None else "it was interrupted"
@@ -80,11 +84,3 @@ def write_log(stored: StoredEpisode, path: Path) -> None:
     with replacing(path) as draft, draft.open("w", encoding="utf-8") as file:
         for record in stored.records:
             write_line(file, record)
-
-
-def _table(*names: str) -> Table:
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("episode", no_wrap=True)
-    for name in names:
-        table.add_column(name, overflow="fold")
-    return table

@@ -2,159 +2,27 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from palpate.cli.robot_kinds import RobotKind
-from palpate.cli.store_options import BlobsOption, StoreOption
+from palpate.cli.asked import Asked
+from palpate.cli.spreading import spread
+from palpate.cli.store_options import Place
 
 __all__ = ["explore"]
 
-LOOP, ROBOT, OUTPUT = "The exploration", "The robot", "What is kept"
 
-
+@spread
 def explore(
-    thing: Annotated[str | None, typer.Argument(metavar="OBJECT", help="One of the network's objects.")] = None,
+    asked: Asked,
+    place: Place,
     list_objects: Annotated[bool, typer.Option("--list", help="List the objects and exit.")] = False,
-    network: Annotated[
-        str | None,
-        typer.Option(
-            help="Shipped network or TOML file (default: household for a replay, else household-filled).",
-            rich_help_panel=LOOP,
-        ),
-    ] = None,
-    learn: Annotated[
-        list[str] | None,
-        typer.Option(help="Property to learn about; several are learned together.", rich_help_panel=LOOP),
-    ] = None,
-    policy: Annotated[
-        str,
-        typer.Option(
-            help="greedy, greedy-per-cost, random, fixed:ACTION,..., static:K or look-ahead:N.", rich_help_panel=LOOP
-        ),
-    ] = "greedy",
-    stop: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="gain:BITS, net-gain:BITS_PER_S, entropy:PROPERTY:BITS, sd:PROPERTY:SD, cost:SECONDS, steps:N "
-            "or nothing-left; the first of several to hold stops (default: gain:0.05).",
-            rich_help_panel=LOOP,
-        ),
-    ] = None,
-    budget: Annotated[float | None, typer.Option(help="Cost not to exceed, in seconds.", rich_help_panel=LOOP)] = None,
-    steps: Annotated[int | None, typer.Option(min=1, help="Most steps to take.", rich_help_panel=LOOP)] = None,
-    cost: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="ACTION=SECONDS", help="Cost of an action, in place of the network's.", rich_help_panel=LOOP
-        ),
-    ] = None,
-    repeat: Annotated[
-        bool, typer.Option("--repeat/--no-repeat", help="Whether an action may be taken again.", rich_help_panel=LOOP)
-    ] = False,
-    engine: Annotated[
-        str,
-        typer.Option(
-            help="Inference engine: exact, or message-passing: the method of the paper.", rich_help_panel=LOOP
-        ),
-    ] = "exact",
-    preset: Annotated[
-        str | None,
-        typer.Option(help="Message passing as-released (default), repaired or as-written.", rich_help_panel=LOOP),
-    ] = None,
-    robot: Annotated[
-        RobotKind,
-        typer.Option(
-            help="Draw outcomes from the sensor models, replay recorded ones, or measure on the bench in physics.",
-            rich_help_panel=ROBOT,
-        ),
-    ] = RobotKind.SAMPLED,
-    session: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FILE|store|store:EPISODE",
-            help="What to replay: a session or episode log, all that the store has of OBJECT, or an episode of the "
-            "store (default: the shipped session).",
-            rich_help_panel=ROBOT,
-        ),
-    ] = None,
-    seed: Annotated[
-        int | None, typer.Option(min=0, help="Seed of all chance (default: a new one, shown).", rich_help_panel=ROBOT)
-    ] = None,
-    noise: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=VALUE",
-            help="A parameter of the bench's sensors and grasps, or none for perfect ones.",
-            rich_help_panel=ROBOT,
-        ),
-    ] = None,
-    timeout: Annotated[
-        float | None, typer.Option(help="Longest time an action may take, in seconds.", rich_help_panel=ROBOT)
-    ] = None,
-    log: Annotated[
-        Path | None, typer.Option(help="Write a line of JSON per step to this file.", rich_help_panel=OUTPUT)
-    ] = None,
-    plot: Annotated[
-        Path | None, typer.Option(help="Draw the episode: .png, .svg or .pdf.", rich_help_panel=OUTPUT)
-    ] = None,
-    video: Annotated[
-        Path | None,
-        typer.Option(help="Film the bench with the belief beside it, to this .mp4 file.", rich_help_panel=OUTPUT),
-    ] = None,
-    viewer: Annotated[
-        bool, typer.Option("--viewer", help="Show the bench in a window of MuJoCo's.", rich_help_panel=OUTPUT)
-    ] = False,
-    rerun: Annotated[
-        Path | None,
-        typer.Option(help="Log beliefs, images and signals for Rerun, to this .rrd file.", rich_help_panel=OUTPUT),
-    ] = None,
-    record: Annotated[
-        bool,
-        typer.Option(
-            "--record", help="Keep the episode in a store, a recording for each action.", rich_help_panel=OUTPUT
-        ),
-    ] = False,
-    place: StoreOption = None,
-    blobs: BlobsOption = None,
-    verbose: Annotated[
-        bool, typer.Option("--verbose", "-v", help="Print every decision on how an outcome was read.")
-    ] = False,
 ) -> None:
     """Explore an object: choose the most informative action, do it, update the belief, until enough is known."""
     from palpate.cli import exploring
-    from palpate.cli.preparing import Asked
 
-    asked = Asked(
-        thing=thing,
-        network=network,
-        learn=learn or [],
-        policy=policy,
-        stop=stop or [],
-        budget_s=budget,
-        steps=steps,
-        costs=cost or [],
-        repeat=repeat,
-        engine=engine,
-        preset=preset,
-        robot=robot,
-        session=session,
-        seed=seed,
-        noise=noise or [],
-        timeout_s=timeout,
-        log=log,
-        plot=plot,
-        video=video,
-        viewer=viewer,
-        rerun=rerun,
-        verbose=verbose,
-        record=record,
-        place=place,
-        blobs=blobs,
-    )
     if list_objects:
         exploring.list_objects(asked)
     else:
-        exploring.explore_object(asked)
+        exploring.explore_object(asked, place)

@@ -13,13 +13,15 @@ from rich.padding import Padding
 from rich.rule import Rule
 from rich.text import Text
 
+from palpate.cli.asked import Asked
 from palpate.cli.belief_view import scales
 from palpate.cli.files import check_picture, check_writable, replacing
 from palpate.cli.keeping import Kept, keeping
 from palpate.cli.network_view import object_table
-from palpate.cli.preparing import Asked, Ready, prepare
+from palpate.cli.preparing import Ready, prepare
 from palpate.cli.spectators import Audience
 from palpate.cli.step_view import View
+from palpate.cli.store_options import Place
 from palpate.cli.terminal import console
 from palpate.cli.truth_view import truth_table
 from palpate.cli.waiting_view import Waiting
@@ -38,15 +40,15 @@ def list_objects(asked: Asked) -> None:
     console().print(object_table(asked.load()))
 
 
-def explore_object(asked: Asked) -> None:
+def explore_object(asked: Asked, place: Place) -> None:
     """Explore, print, and keep what was asked for: in a log, in a store, as a picture."""
-    ready = prepare(asked)
+    ready = prepare(asked, place)
     if asked.plot is not None:
         check_picture("--plot", asked.plot)
     if asked.log is not None:
         check_writable("--log", asked.log)
     check_watching(asked)
-    with ready.using, watching(asked, ready) as audience, keeping(asked, ready) as kept:
+    with ready.using, watching(asked, ready) as audience, keeping(asked, place, ready) as kept:
         steps = _explore(asked, ready, kept, audience)
     if asked.plot is not None:
         _plot(asked.plot, ready, steps)

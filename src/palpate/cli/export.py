@@ -39,12 +39,17 @@ def export(
     ] = None,
 ) -> None:
     """Write recordings as an archive, which can be imported again, or in a format for others."""
-    from palpate.cli.exporting import Wishes, tell_written
+    from palpate.cli.exporting import Wishes, naming_options, tell_written
     from palpate.cli.progress_view import bar
+    from palpate.cli.storing import check_known
     from palpate.store.exporting.writing import export as write
+    from palpate.store.listing import list_recordings
 
     wishes = Wishes(form, title, tuple(author or ()), licence, include_private, fps, resample, assumed_rate)
-    how, wanted = wishes.format(), which.filter()
-    with place.opened() as found, bar("exporting") as told:
+    how = wishes.format()
+    with naming_options(), place.opened() as found, bar("exporting") as told:
+        wanted = which.filter(found)
+        if not list_recordings(found, wanted, limit=1).rows:
+            check_known(found, wanted)
         written = write(found, how, folder, wanted, told)
     tell_written(folder, written)

@@ -4,22 +4,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from palpate.errors import PalpateError, choices, near, plural
+from palpate.cli.storing import check_name
+from palpate.errors import PalpateError, plural
 
 if TYPE_CHECKING:
     from palpate.store.exporting.publication import Terms
     from palpate.store.exporting.writing import Format, Written
 
-__all__ = ["Wishes", "tell_written"]
+__all__ = ["Wishes", "naming_options", "tell_written"]
 
 DEFAULT_FPS = 30
 SHOWN = 20
 TERMS = ("--title", "--author", "--licence", "--include-private")
 FRAMES = ("--fps", "--resample", "--assumed-rate")
+STATED_BY = {
+    "authors": "--author",
+    "licence": "--licence",
+    "include_private": "--include-private",
+    "assumed_rate_hz": "--assumed-rate",
+}
+"""Parts of an export to the options that state them."""
 ALLOWED: Mapping[str, tuple[str, ...]] = {
     "archive": (),
     "parquet": TERMS,
@@ -49,7 +58,7 @@ class Wishes:
         PalpateError
             If there is none of that name, or an option is not for it.
         """
-        _check_name("--format", self.form, ALLOWED)
+        check_name("--format", self.form, ALLOWED)
         for option in self._given():
             if option not in ALLOWED[self.form]:
                 able = " or ".join(name for name, allowed in ALLOWED.items() if option in allowed)
@@ -82,22 +91,30 @@ class Wishes:
 
         rules: Mapping[str, Resampling] = {"nearest": Nearest(), "linear": Linear()}
         rule = self.resample or "nearest"
-        _check_name("--resample", rule, rules)
+        check_name("--resample", rule, rules)
         rate_hz = self.assumed_rate_hz
         if rate_hz is not None and not (math.isfinite(rate_hz) and rate_hz > 0):
             raise PalpateError(f"--assumed-rate: {rate_hz:g} was found, expected samples per second, more than 0")
         return LeRobot(terms, self.fps or DEFAULT_FPS, rules[rule], rate_hz)
 
 
+@contextmanager
+def naming_options() -> Iterator[None]:
+    """Let an error on what an export lacks name the options that state it."""
+    from palpate.store.exporting.publication import LackingError
+
+    try:
+        yield
+    except LackingError as error:
+        raise PalpateError(error.told(STATED_BY)) from None
+
+
 def tell_written(folder: Path, written: Written) -> None:
     """Print how many recordings were written, and what was not and why."""
     print(f"{folder}: {plural(written.recordings, 'recording')}")
+    if written.withheld:
+        print(f"- {plural(written.withheld, 'recording')} left out, not public (--include-private takes them too)")
     for notice in written.notices[:SHOWN]:
         print(f"- {notice}")
     if len(written.notices) > SHOWN:
         print(f"- and {len(written.notices) - SHOWN} more")
-
-
-def _check_name(option: str, found: str, names: Mapping[str, object]) -> None:
-    if found not in names:
-        raise PalpateError(f"{option}: {found!r} was found{near(found, names)}; {choices(names)}")

@@ -35,6 +35,8 @@ def fit_report(fitted: Fitted, scores: Scores, data: Data) -> RenderableType:
         told = "score: log2 p of what was held out [bits per object], and how much better than the network before"
         parts.append(Text(f"{told}, mean ± SE over objects", style="dim"))
     lines = [*_notes(fitted), *data.notices]
+    if known := len(fitted.network.objects):
+        lines.append(f"the {plural(known, 'known object')} of the template are others, and are left out")
     parts += [Text(f"- {line}") for line in lines[:FEWEST]]
     if len(lines) > FEWEST:
         parts.append(Text(f"- and {len(lines) - FEWEST} more"))

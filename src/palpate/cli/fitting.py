@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from palpate.cli.fit_options import How, OfStore, Tables
+from palpate.cli.store_options import Place
 from palpate.errors import PalpateError
 
 if TYPE_CHECKING:
@@ -24,51 +26,55 @@ __all__ = ["From", "columns_of", "fit_network"]
 
 @dataclass(frozen=True)
 class From:
-    """Where data are from: a store, or CSV tables."""
+    """Where data are from: a store, or CSV tables where there are any."""
 
-    store: str | None = None
-    blobs: str | None = None
-    wanted: Mapping[str, str] = field(default_factory=dict)
-    csv: Path | None = None
-    readings: Path | None = None
-    columns: Sequence[str] = ()
+    place: Place
+    of_store: OfStore
+    tables: Tables
 
     def check(self) -> None:
-        """Refuse both, none, and options of the one with the other."""
-        if (self.store is None) == (self.csv is None):
-            found = "both --store and --csv" if self.csv else "neither --store nor --csv"
-            raise PalpateError(f"network fit: found {found}; expected one of them")
-        if self.csv is None and (self.readings or self.columns):
+        """Refuse options of the one with the other."""
+        tables, typed = self.tables, self.of_store.typed
+        if tables.csv is None and (tables.csv_readings or tables.column):
             raise PalpateError("--csv-readings, --column: for tables alone, expected --csv")
-        if self.csv is not None and (self.wanted or self.blobs):
-            raise PalpateError(
-                f"{', '.join(f'--{name}' for name in self.wanted) or '--blobs'}: for a store alone, expected --store"
-            )
+        places = {"--store": self.place.place, "--blobs": self.place.blobs}
+        of_store = [name for name, value in {**places, **typed}.items() if value is not None]
+        if tables.csv is not None and of_store:
+            raise PalpateError(f"{', '.join(of_store)}: for a store alone, and --csv was found; expected one of them")
 
     def read(self, network: Network) -> Data:
         """Read the data."""
-        if self.csv is not None:
+        tables = self.tables
+        if tables.csv is not None:
             from palpate.fitting.csv_tables import read_tables
 
-            return read_tables(network, self.csv, self.readings, columns_of(self.columns))
+            return read_tables(network, tables.csv, tables.csv_readings, columns_of(tables.column or ()))
         return self._read_store(network)
 
     def _read_store(self, network: Network) -> Data:
-        from palpate.cli.storing import check_installed, moment_of, opened
+        from palpate.cli.storing import check_installed, check_known, moment_of
 
         check_installed()
-        assert self.store is not None
-        # a store is made where there is none, but nothing can be learnt from a new one
-        if "://" not in self.store and not Path(self.store).is_file():
-            raise PalpateError(f"--store: there is no file {self.store}, expected a store that is there")
         from palpate.fitting.store_data import read_store
         from palpate.store.filters import Filter
 
-        since, until = (moment_of(f"--{name}", self.wanted.get(name)) for name in ("since", "until"))
-        dataset, device, gripper = (self.wanted.get(name) for name in ("dataset", "device", "gripper"))
-        wanted = Filter(dataset=dataset, device=device, gripper=gripper, since=since, until=until)
-        with opened(self.store, self.blobs) as store:
+        asked = self.of_store
+        since, until = moment_of("--since", asked.since), moment_of("--until", asked.until)
+        wanted = Filter(dataset=asked.dataset, device=asked.device, gripper=asked.gripper, since=since, until=until)
+        with self.place.opened() as store:
+            check_known(store, wanted)
             return read_store(store, network, wanted)
+
+    @property
+    def words(self) -> list[object]:
+        """What was typed; passwords are no part of it."""
+        tables = self.tables
+        if tables.csv is None:
+            words: list[object] = ["--store", _shown(self.place.place)] if self.place.place is not None else []
+            return words + [word for option in self.of_store.typed.items() for word in option]
+        words = ["--csv", tables.csv]
+        words += ["--csv-readings", tables.csv_readings] if tables.csv_readings else []
+        return words + [word for text in tables.column or () for word in ("--column", text)]
 
 
 def columns_of(texts: Sequence[str]) -> Mapping[str, Column]:
@@ -84,19 +90,19 @@ def columns_of(texts: Sequence[str]) -> Mapping[str, Column]:
     return columns
 
 
-def fit_network(like: str, data_from: From, output: Path, settings: Settings, folds: int, day: str | None) -> None:
+def fit_network(like: str, data_from: From, output: Path, how: How, *, force: bool) -> None:
     """Fit, score, write and tell."""
     from palpate import __version__
-    from palpate.cli.files import check_writable
     from palpate.cli.fit_view import fit_report
     from palpate.cli.terminal import console
     from palpate.fitting.documenting import Provenance, document
     from palpate.fitting.fit import fit
+    from palpate.fitting.settings import Settings
     from palpate.fitting.template import read_template
 
     data_from.check()
-    check_writable("--output", output)
-    moment = _day(day)
+    _check_output(output, force=force)
+    settings, folds, moment = Settings(how.pseudo_count, tuple(how.keep or ())), _folds(how.folds), _day(how.date)
     template = read_template(like)
     data = data_from.read(template.network)
     fitted = fit(template, data.specimens, settings)
@@ -110,6 +116,20 @@ def fit_network(like: str, data_from: From, output: Path, settings: Settings, fo
     _write(output, document(template, fitted, data, settings, made, output.stem))
     console().print(fit_report(fitted, scores, data))
     print(f"{output}: written")
+
+
+def _check_output(output: Path, *, force: bool) -> None:
+    from palpate.cli.files import check_writable
+
+    check_writable("--output", output)
+    if output.exists() and not force:
+        raise PalpateError(f"--output: {output} exists already, expected the name of a new file, or --force")
+
+
+def _folds(folds: int) -> int:
+    if folds < 2 and folds != 0:
+        raise PalpateError(f"--folds: found {folds}, expected 2 at least, or 0 for no scores")
+    return folds
 
 
 def _write(output: Path, tables: Mapping[str, object]) -> None:
@@ -154,14 +174,7 @@ def _last(data: Data) -> str:
 
 def _command(like: str, data_from: From, settings: Settings, output: Path) -> str:
     """The command line again; passwords are no part of it."""
-    words: list[object] = ["palpate", "network", "fit", "--like", like]
-    if data_from.store is not None:
-        words += ["--store", _shown(data_from.store)]
-        words += [word for name, value in data_from.wanted.items() for word in (f"--{name}", value)]
-    else:
-        words += ["--csv", data_from.csv]
-        words += ["--csv-readings", data_from.readings] if data_from.readings else []
-        words += [word for text in data_from.columns for word in ("--column", text)]
+    words: list[object] = ["palpate", "network", "fit", "--like", like, *data_from.words]
     words += ["--pseudo-count", f"{settings.pseudo_count:g}"]
     words += [word for name in settings.keep for word in ("--keep", name)]
     return shlex.join(str(word) for word in (*words, "--output", output))

@@ -8,13 +8,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from palpate.cli.robot_kinds import RobotKind
-from palpate.cli.storing import check_installed, opened
+from palpate.cli.asked import Asked, RobotKind
+from palpate.cli.storing import check_installed
 from palpate.network.digest import digest
 from palpate.robots.protocol import Robot
 
 if TYPE_CHECKING:
-    from palpate.cli.preparing import Asked, Ready
+    from palpate.cli.preparing import Ready
+    from palpate.cli.store_options import Place
     from palpate.episode.keeping import KeptEpisode
     from palpate.recording import About
     from palpate.store.records import Setup
@@ -37,7 +38,7 @@ class Kept:
 
 
 @contextmanager
-def keeping(asked: Asked, ready: Ready) -> Iterator[Kept]:
+def keeping(asked: Asked, place: Place, ready: Ready) -> Iterator[Kept]:
     """Keep an exploration in the store of the options while the block runs, where that was asked for.
 
     What could not be sent to the store is told on standard error in the end.
@@ -50,11 +51,11 @@ def keeping(asked: Asked, ready: Ready) -> Iterator[Kept]:
     from palpate.robots.recorded import RecordedRobot
     from palpate.store.records import ThingRef
 
-    network, origin = ready.prior.network, _origin(asked, ready)
-    with opened(asked.place, asked.blobs) as store:
+    origin = _origin(asked, ready)
+    with place.opened(make=True) as store:
         robot = RecordedRobot(
             ready.robot,
-            network,
+            ready.prior.network,
             store,
             thing=ThingRef(origin.dataset, ready.about.object or "unnamed"),
             setup=origin.setup,
@@ -83,7 +84,7 @@ def _origin(asked: Asked, ready: Ready) -> _Origin:
         return _bench_origin(ready)
     from palpate.store.records import Device, Setup
 
-    network, replays = ready.prior.network, asked.robot is RobotKind.REPLAY
+    network, replays = ready.prior.network, asked.replay
     told = {"source": ready.source} if replays else {"network": network.name, "digest": digest(network)}
     device = Device("other", f"{ready.about.robot} robot", maker="palpate", parameters=told)
     dataset, verb = ("replayed", "replayed from") if replays else ("simulated", "drawn from")

@@ -10,7 +10,7 @@ import typer
 from palpate.cli import store_episodes, store_list, store_objects
 from palpate.cli.export import export
 from palpate.cli.spreading import spread
-from palpate.cli.store_options import Place
+from palpate.cli.store_options import Place, WideOption
 
 __all__ = ["app"]
 
@@ -30,16 +30,30 @@ def store() -> None:
 def show(
     place: Place,
     key: Annotated[
-        str | None, typer.Argument(metavar="[RECORDING]", help="Id or digest of one recording, to show it whole.")
+        str | None,
+        typer.Argument(metavar="[RECORDING]", help="Id or digest of one recording, or how it begins."),
     ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one recording as JSON.")] = False,
+    wide: WideOption = False,
 ) -> None:
-    """Show objects, setups and the last recordings with what was odd about them; or one recording."""
-    from palpate.cli.store_view import overview, recording_view
-    from palpate.cli.storing import found_recording
-    from palpate.cli.terminal import console
+    """Show objects, setups and the last recordings with what was odd about them; or all of one recording."""
+    from palpate.cli.recording_view import recording_json, recording_view
+    from palpate.cli.store_view import overview
+    from palpate.cli.terminal import is_terminal, print_whole
+    from palpate.errors import PalpateError
+    from palpate.store.keys import recording_id
 
+    if as_json and key is None:
+        raise PalpateError("--json: is for one recording, expected its id; `palpate store list --json` has all")
     with place.opened() as found:
-        console().print(overview(found) if key is None else recording_view(found_recording(found, key)))
+        if key is None:
+            print_whole(overview(found, whole=wide or not is_terminal()))
+            return
+        recording = found.get(recording_id(found, key))
+    if as_json:
+        print(recording_json(recording))
+    else:
+        print_whole(recording_view(recording))
 
 
 app.command("list")(store_list.list_)
@@ -105,7 +119,7 @@ def import_(
     wanted = [*(paths or ()), *([EXAMPLE] if example else [])]
     check_paths(wanted, report)
     formats = formats_of(columns, topics)
-    with place.opened() as found:
+    with place.opened(make=True) as found:
         done = import_shown(found, wanted, formats, report_file=report, verbose=verbose)
     raise typer.Exit(1 if done.count(Fate.REFUSED) else 0)
 

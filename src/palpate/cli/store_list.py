@@ -11,14 +11,16 @@ import typer
 
 from palpate.cli.rows import Form
 from palpate.cli.spreading import spread
-from palpate.cli.store_options import Place, Which
+from palpate.cli.store_options import Place, Which, WideOption
 
 __all__ = ["curves", "devices", "list_", "table"]
 
 HOW = "How they are listed"
 PAGE = 50
 
-FormOption = Annotated[Form, typer.Option("--format", help="What is printed or written.", rich_help_panel=HOW)]
+FormOption = Annotated[
+    Form | None, typer.Option("--format", help="What is printed or written (default: table).", rich_help_panel=HOW)
+]
 JsonOption = Annotated[bool, typer.Option("--json", help="The same as --format json.", rich_help_panel=HOW)]
 OutputOption = Annotated[Path | None, typer.Option("--output", "-o", help="The file to write.", rich_help_panel=HOW)]
 
@@ -27,7 +29,7 @@ OutputOption = Annotated[Path | None, typer.Option("--output", "-o", help="The f
 class Written:
     """In which form rows are given, and where."""
 
-    form: FormOption = Form.TABLE
+    form: FormOption = None
     as_json: JsonOption = False
     output: OutputOption = None
 
@@ -35,8 +37,13 @@ class Written:
     def chosen(self) -> Form:
         """The form, once it is found to fit the file."""
         from palpate.cli.rows import check_output
+        from palpate.errors import PalpateError
 
-        form = Form.JSON if self.as_json else self.form
+        if self.as_json and self.form not in (None, Form.JSON):
+            raise PalpateError(
+                f"--json: is --format json, and --format {self.form.value} was found; expected one of them"
+            )
+        form = Form.JSON if self.as_json else self.form or Form.TABLE
         check_output(form, self.output)
         return form
 
@@ -52,33 +59,40 @@ class How:
         typer.Option(min=1, help="Recordings of a page (default: 50; all as CSV or Parquet).", rich_help_panel=HOW),
     ] = None
     cursor: Annotated[str | None, typer.Option(help="What the page before ended with.", rich_help_panel=HOW)] = None
+    wide: WideOption = False
 
 
 @spread
 def list_(which: Which, how: How, written: Written, place: Place) -> None:
     """List recordings, the last ones first; as CSV or Parquet the results, a row for each."""
     from palpate.cli.rows import write_rows, write_text
-    from palpate.cli.store_view import page_json, page_table
-    from palpate.cli.terminal import console
+    from palpate.cli.store_view import page_json, page_table, tell_next
+    from palpate.cli.storing import check_known, check_name
+    from palpate.cli.terminal import is_terminal, print_whole
     from palpate.errors import PalpateError
     from palpate.store.entries_table import entries_table
-    from palpate.store.filters import Sort
+    from palpate.store.filters import SORTS, Filter, Sort
     from palpate.store.listing import list_recordings
 
-    form, wanted, sort = written.chosen, which.filter(), Sort(how.sort, not how.ascending)
+    check_name("--sort", how.sort, SORTS)
+    form, sort = written.chosen, Sort(how.sort, not how.ascending)
     if form.is_flat and how.cursor is not None:
         raise PalpateError("--cursor: is for pages, and CSV and Parquet have none; expected --format table or json")
     with place.opened() as store:
+        wanted = which.filter(store)
+        page = list_recordings(store, wanted, sort, limit=how.limit or PAGE, cursor=how.cursor)
+        if not page.rows:
+            check_known(store, wanted)
         if form.is_flat:
             write_rows(entries_table(store, wanted, sort, limit=how.limit), form, written.output)
             return
-        page = list_recordings(store, wanted, sort, limit=how.limit or PAGE, cursor=how.cursor)
     if form is Form.JSON:
         write_text(page_json(page), written.output)
-        return
-    console().print(page_table(page))
-    if page.cursor is not None:
-        print(f"more: --cursor {page.cursor}")
+    elif page.rows:
+        print_whole(page_table(page, whole=how.wide or not is_terminal()))
+        tell_next(page.cursor)
+    else:
+        print("no recording matches" if wanted != Filter() else "no recordings yet")
 
 
 @spread
@@ -86,7 +100,7 @@ def table(written: Written, place: Place) -> None:
     """Print objects x properties: mean and SD of what was measured, how often, and how far devices differ."""
     from palpate.cli.cells_view import cells_table
     from palpate.cli.rows import write_rows, write_text
-    from palpate.cli.terminal import console
+    from palpate.cli.terminal import print_whole
     from palpate.store.summary import cells_to_arrow, objects_by_properties
 
     form = written.chosen
@@ -97,7 +111,7 @@ def table(written: Written, place: Place) -> None:
     elif form is Form.JSON:
         write_text(json.dumps([vars(cell) for cell in cells], indent=1), written.output)
     else:
-        console().print(cells_table(cells))
+        print_whole(cells_table(cells) if cells else "no measured values yet")
 
 
 @spread
@@ -109,12 +123,17 @@ def curves(
 ) -> None:
     """Write all curves recorded with a gripper to a file."""
     from palpate.cli.files import check_writable, replacing
+    from palpate.cli.storing import check_known
     from palpate.figures.wording import plural
-    from palpate.store.curve_files import write_curves
+    from palpate.store.curve_files import check_curve_file, write_curves
+    from palpate.store.filters import Filter
 
+    check_curve_file("--output", output)
     check_writable("--output", output)
     with place.opened() as store, replacing(output) as draft:
         count = write_curves(store, gripper, draft, action=action)
+        if not count:
+            check_known(store, Filter(gripper=gripper, action=action))
     print(f"{output}: {plural(count, 'channel')}")
 
 
@@ -126,12 +145,16 @@ def devices(
 ) -> None:
     """List devices, each with its calibrations in the order of their dates."""
     from palpate.cli.cells_view import devices_table
-    from palpate.cli.terminal import console
+    from palpate.cli.storing import check_known
+    from palpate.cli.terminal import print_whole
     from palpate.store.calibrations import devices_of
+    from palpate.store.filters import Filter
 
     with place.opened() as store:
         found = devices_of(store, name)
+        if name is not None and not found:
+            check_known(store, Filter(device=name), {"device": "NAME"})
     if as_json:
         print(json.dumps([{**vars(one.device), "recordings": one.recordings} for one in found], indent=1))
     else:
-        console().print(devices_table(found))
+        print_whole(devices_table(found) if found else "no devices yet")

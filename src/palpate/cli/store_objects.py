@@ -28,7 +28,7 @@ def object_() -> None:
 def objects(place: Place, as_json: Json = False) -> None:
     """List objects, and what is known of each."""
     from palpate.cli.object_view import things_json, things_table
-    from palpate.cli.terminal import console
+    from palpate.cli.terminal import print_whole
     from palpate.store.things import list_things
 
     with place.opened() as store:
@@ -36,7 +36,7 @@ def objects(place: Place, as_json: Json = False) -> None:
     if as_json:
         print(things_json(found))
     else:
-        console().print(things_table(found))
+        print_whole(things_table(found) if found else "no objects yet")
 
 
 @app.command("show")
@@ -50,7 +50,7 @@ def show(
     """Show an object: description, known properties, images, and what was measured by property and device."""
     from palpate.cli.knowing import save_images
     from palpate.cli.object_view import thing_json, thing_view
-    from palpate.cli.terminal import console
+    from palpate.cli.terminal import print_whole
     from palpate.store.audit import history
     from palpate.store.measured import measured_of
     from palpate.store.things import find_thing
@@ -63,7 +63,7 @@ def show(
     if as_json:
         print(thing_json(thing, measured, changes))
     else:
-        console().print(thing_view(thing, measured, changes))
+        print_whole(thing_view(thing, measured, changes))
 
 
 @app.command("add")
@@ -82,7 +82,7 @@ def add(
     dataset, slash, name = path.partition("/")
     if not slash:
         raise PalpateError(f"{path!r} was found, expected DATASET/NAME")
-    with place.opened() as store:
+    with place.opened(make=True) as store:
         new = add_thing(store, ThingRef(dataset, name), who=who_of(who))
     print(f"{path}: {'added' if new else 'is there already'}")
 
@@ -131,13 +131,17 @@ def set_(
     print(f"{thing.path}: {'changed' if changed != thing else 'nothing to change'}")
 
 
-@app.command("know")
+# a number below zero is no option
+@app.command("know", context_settings={"ignore_unknown_options": True})
 @spread
 def know(
     name: Name,
     property_: Annotated[str, typer.Argument(metavar="PROPERTY", help="What is known.")],
     value: Annotated[
-        str, typer.Argument(metavar="VALUE", help="'118 g', 'above 95 kPa', '90 to 100 kPa', a label, or LABEL=P,...")
+        str,
+        typer.Argument(
+            metavar="VALUE", help="'118 g', '118 ± 2 g', 'above 95 kPa', '90 to 100 kPa', a label, or LABEL=P,..."
+        ),
     ],
     source: Annotated[str, typer.Option("--source", help="From where: a data sheet, a scale, a person.")],
     place: Place,
@@ -145,7 +149,8 @@ def know(
     who: Who = None,
 ) -> None:
     """Tell what is known of a property, in place of what that source said before."""
-    from palpate.cli.knowing import entry_of, who_of
+    from palpate.cli.knowing import who_of
+    from palpate.cli.known_values import check_fits, entry_of
     from palpate.cli.store_view import entry_words
     from palpate.store.describing import change_thing
     from palpate.store.things import find_thing
@@ -153,8 +158,12 @@ def know(
     entry = entry_of(property_, value, sd)
     with place.opened() as store:
         thing = find_thing(store, name)
+        check_fits(store, entry, value.strip())
         change_thing(store, thing.ref, lambda found: found.knowing(entry, source), who=who_of(who))
     print(f"{thing.path}: {entry_words(entry)} ({source})")
+    for one in thing.known:
+        if (one.entry.property, one.source) == (property_, source) and one.entry != entry:
+            print(f"- in place of {entry_words(one.entry)}")
 
 
 @app.command("forget")
@@ -222,10 +231,14 @@ def split(name: Name, place: Place, who: Who = None) -> None:
 def undo(name: Name, place: Place, who: Who = None) -> None:
     """Take back the last change of an object that holds; again, the one before."""
     from palpate.cli.knowing import who_of
+    from palpate.cli.object_view import change_lines
     from palpate.store.things import find_thing
     from palpate.store.undoing import undo as take_back
 
     with place.opened() as store:
         thing = find_thing(store, name)
-        what = take_back(store, thing.ref, who=who_of(who))
-    print(f"{thing.path}: the last change ({what}) is taken back")
+        change = take_back(store, thing.ref, who=who_of(who))
+    by = "" if change.who is None else f" by {change.who}"
+    print(f"{thing.path}: taken back what was {change.what}{by} at {change.at:%Y-%m-%d %H:%M:%S} UTC")
+    for line in change_lines(change.detail):
+        print(f"- {line}")

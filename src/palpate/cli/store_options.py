@@ -15,25 +15,12 @@ if TYPE_CHECKING:
     from palpate.store.filters import Filter
     from palpate.store.store import Store
 
-__all__ = ["BlobsOption", "Place", "StoreOption", "Which"]
+__all__ = ["Place", "Which", "WideOption"]
 
 PLACE, WHICH = "The store", "Which recordings"
 
-StoreOption = Annotated[
-    str | None,
-    typer.Option(
-        "--store",
-        help="SQLite file or postgresql+psycopg://... (default: PALPATE_STORE, or your own).",
-        rich_help_panel=PLACE,
-    ),
-]
-BlobsOption = Annotated[
-    str | None,
-    typer.Option(
-        "--blobs",
-        help="Folder or s3://... for large bytes (default: PALPATE_BLOBS, or beside the file).",
-        rich_help_panel=PLACE,
-    ),
+WideOption = Annotated[
+    bool, typer.Option("--wide", help="Whole ids also in a terminal, where they are shortened otherwise.")
 ]
 
 
@@ -41,14 +28,28 @@ BlobsOption = Annotated[
 class Place:
     """Where the store is."""
 
-    place: StoreOption = None
-    blobs: BlobsOption = None
+    place: Annotated[
+        str | None,
+        typer.Option(
+            "--store",
+            help="SQLite file or postgresql+psycopg://... (default: PALPATE_STORE, or your own).",
+            rich_help_panel=PLACE,
+        ),
+    ] = None
+    blobs: Annotated[
+        str | None,
+        typer.Option(
+            "--blobs",
+            help="Folder or s3://... for large bytes (default: PALPATE_BLOBS, or beside the file).",
+            rich_help_panel=PLACE,
+        ),
+    ] = None
 
-    def opened(self) -> AbstractContextManager[Store]:
-        """The store, closed afterwards."""
-        from palpate.cli.storing import opened
+    def opened(self, *, make: bool = False) -> AbstractContextManager[Store]:
+        """The store, closed afterwards; one that is not there is made only where it was asked for."""
+        from palpate.store.opening import open_store
 
-        return opened(self.place, self.blobs)
+        return open_store(self.place, self.blobs, make=make)
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,9 @@ class Which:
     ] = None
     device: Annotated[str | None, typer.Option(help="Any device of the setup.", rich_help_panel=WHICH)] = None
     gripper: Annotated[str | None, typer.Option(help="Gripper of the setup.", rich_help_panel=WHICH)] = None
-    setup: Annotated[str | None, typer.Option(help="Digest of the setup.", rich_help_panel=WHICH)] = None
+    setup: Annotated[str | None, typer.Option(help="Digest of the setup, or how it begins.", rich_help_panel=WHICH)] = (
+        None
+    )
     owner: Annotated[str | None, typer.Option(help="Whose they are.", rich_help_panel=WHICH)] = None
     since: Annotated[str | None, typer.Option(help="Recorded at this time or later.", rich_help_panel=WHICH)] = None
     until: Annotated[str | None, typer.Option(help="Recorded before this time.", rich_help_panel=WHICH)] = None
@@ -84,10 +87,11 @@ class Which:
     ] = None
     text: Annotated[str | None, typer.Option(help="Part of a name or notice.", rich_help_panel=WHICH)] = None
 
-    def filter(self) -> Filter:
-        """The same with objects in the place of strings."""
+    def filter(self, store: Store) -> Filter:
+        """The same with objects in the place of strings, and the setup of the store that is meant."""
         from palpate.cli.storing import labels_of, moment_of
         from palpate.store.filters import Filter
+        from palpate.store.keys import setup_digest
 
         return Filter(
             thing=self.thing,
@@ -99,7 +103,7 @@ class Which:
             known=labels_of("--known", self.known or ()),
             device=self.device,
             gripper=self.gripper,
-            setup=self.setup,
+            setup=None if self.setup is None else setup_digest(store, self.setup),
             since=moment_of("--since", self.since),
             until=moment_of("--until", self.until),
             ground_truth=self.ground_truth,

@@ -10,23 +10,29 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from palpate.cli.short_ids import shortened
+from palpate.cli.terminal import bullets, folding_table
 from palpate.figures.wording import number, plural
-from palpate.store.content import entry_plain, setup_plain, thing_plain
+from palpate.store.content import entry_plain
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
 from palpate.store.listing import Listed, Page, list_recordings
 from palpate.store.overview import Contents, contents
 
 if TYPE_CHECKING:
-    from palpate.store.records import Recording
     from palpate.store.store import Store
 
-__all__ = ["entry_words", "overview", "page_json", "page_table", "recording_view"]
+__all__ = ["entry_words", "overview", "page_json", "page_table", "tell_next"]
 
 SHOWN = 20
 
 
-def entry_words(entry: Entry) -> str:
+def entry_words(entry: Entry, most: int = 2) -> str:
     """A result in few words.
+
+    Parameters
+    ----------
+    most
+        So many labels of a distribution are named, the most probable ones.
 
     Examples
     --------
@@ -42,7 +48,7 @@ def entry_words(entry: Entry) -> str:
             spread = "" if sd is None else f" ± {number(sd)}"
             return f"{name} {number(value)}{spread} {unit or '(unit not stated)'}"
         case Distribution(name, probabilities):
-            return f"{name} {_top(probabilities)}"
+            return f"{name} {_top(probabilities, most)}"
         case Interval(name, low, high, unit):
             return f"{name} {number(low)} to {number(high)} {unit or '(unit not stated)'}"
         case Bound(name, above, below, unit):
@@ -52,46 +58,45 @@ def entry_words(entry: Entry) -> str:
             return f"{name or 'all'} failed: {reason}"
 
 
-def overview(store: Store) -> RenderableType:
-    """Objects, setups, and the last recordings with their notices."""
+def overview(store: Store, *, whole: bool = True) -> RenderableType:
+    """Objects, setups, and the last recordings with their notices; ids whole, or as short as will do."""
     page, found = list_recordings(store, limit=SHOWN), contents(store)
     head = f"{plural(found.recordings, 'recording')} of {plural(len(found.things), 'object')}"
     if found.episodes:
         head += f" and {plural(found.episodes, 'episode')}"
-    parts: list[RenderableType] = [Text(f"{head} in {store.engine.url!r}")]
+    parts: list[RenderableType] = [Text(f"{head} in {store.engine.url!r}", overflow="fold")]
     if found.recordings:
-        parts += [_things(found), _setups(found), page_table(page)]
+        for part in (_things(found), _setups(found, whole=whole), page_table(page, whole=whole)):
+            parts += [Text(), part]
+        if found.recordings > len(page.rows):
+            parts.append(Text(f"and {found.recordings - len(page.rows)} before (palpate store list)", style="dim"))
         parts += _odd(page)
     return Group(*parts)
 
 
-def page_table(page: Page) -> Table:
-    """A page of a list."""
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("recording", no_wrap=True)
-    for name in ("recorded (UTC)", "object", "action", "results", "odd"):
-        table.add_column(name, overflow="fold")
+def page_table(page: Page, *, whole: bool = True) -> Table:
+    """A page of a list; ids whole, or as short as they can be told apart on it."""
+    write = shortened((row.id for row in page.rows), whole=whole)
+    table = folding_table("recording", "recorded (UTC)", "object", "action", "results", "odd", right=(5,))
+    table.columns[0].no_wrap = True
     for row in page.rows:
         moment = f"{row.recorded_at:%Y-%m-%d %H:%M:%S}"
         results = "\n".join(map(entry_words, row.entries))
         table.add_row(
-            str(row.id), moment, row.common_name or row.thing, row.action, results, str(len(row.notices) or "")
+            write(row.id), moment, row.common_name or row.thing, row.action, results, str(len(row.notices) or "")
         )
     return table
+
+
+def tell_next(cursor: str | None) -> None:
+    """Say how the next page is asked for, where there is one."""
+    if cursor is not None:
+        print(f"more: --cursor {cursor}")
 
 
 def page_json(page: Page) -> str:
     """A page of a list as JSON."""
     return json.dumps({"recordings": [_listed_plain(row) for row in page.rows], "cursor": page.cursor}, indent=1)
-
-
-def recording_view(recording: Recording) -> RenderableType:
-    """All of a recording but its numbers."""
-    plain = json.loads(recording.document)
-    setup = {kind: value for kind, value in setup_plain(recording.setup).items() if value}
-    shown = {**plain, "id": str(recording.id), "digest": recording.digest, "visibility": recording.visibility}
-    shown |= {"thing": thing_plain(recording.thing), "setup": setup, "log": recording.log}
-    return Text(json.dumps({name: value for name, value in shown.items() if value not in (None, [], "")}, indent=1))
 
 
 def _listed_plain(row: Listed) -> Mapping[str, object]:
@@ -101,34 +106,32 @@ def _listed_plain(row: Listed) -> Mapping[str, object]:
 
 
 def _things(found: Contents) -> Table:
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in ("object", "dataset", "name there", "recordings"):
-        table.add_column(name, overflow="fold")
+    table = folding_table("object", "dataset", "name there", "recordings", right=(3,))
     for thing, count in found.things[:SHOWN]:
         table.add_row(thing.common_name or thing.id, thing.dataset, thing.id, str(count))
     _more(table, found.things)
     return table
 
 
-def _setups(found: Contents) -> Table:
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for name in ("setup", "devices", "recordings"):
-        table.add_column(name, overflow="fold")
+def _setups(found: Contents, *, whole: bool) -> Table:
+    write = shortened((setup.digest for setup, _ in found.setups), whole=whole)
+    table = folding_table("setup", "devices", "recordings", right=(2,))
+    table.columns[0].no_wrap = True
     for setup, count in found.setups[:SHOWN]:
         devices = ", ".join(f"{device.kind} {device.name}" for device in setup.devices) or "none stated"
-        table.add_row(setup.digest[:8], devices, str(count))
+        table.add_row(write(setup.digest), devices, str(count))
     _more(table, found.setups)
     return table
 
 
-def _odd(page: Page) -> list[Text]:
+def _odd(page: Page) -> list[RenderableType]:
     """What was odd, each notice once with the actions that it is about."""
     told: dict[str, dict[str, None]] = {}
     for row in page.rows:
         for notice in row.notices:
             told.setdefault(notice, {})[row.action] = None
-    lines = [Text(f"- {notice} ({', '.join(actions)})") for notice, actions in told.items()]
-    return [Text("what was odd", style="bold"), *lines] if lines else []
+    lines = [f"{notice} ({', '.join(actions)})" for notice, actions in told.items()]
+    return [Text(), Text("what was odd", style="bold"), bullets(lines)] if lines else []
 
 
 def _more(table: Table, rows: tuple[object, ...]) -> None:
@@ -136,7 +139,7 @@ def _more(table: Table, rows: tuple[object, ...]) -> None:
         table.add_row(f"and {len(rows) - SHOWN} more")
 
 
-def _top(probabilities: Mapping[str, float], most: int = 2) -> str:
+def _top(probabilities: Mapping[str, float], most: int) -> str:
     ranked: Iterable[tuple[str, float]] = sorted(probabilities.items(), key=lambda item: -item[1])[:most]
     shown = ", ".join(f"{label} {number(probability, 2)}" for label, probability in ranked)
     return f"{shown}, ..." if len(probabilities) > most else shown

@@ -1,32 +1,34 @@
-"""What the commands of `palpate store` share: opening, strings to objects, and telling what was done."""
+"""What the commands of `palpate store` share: strings to objects, and telling what was done."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
-from uuid import UUID
 
-from palpate.errors import PalpateError
+from palpate.errors import PalpateError, choices, near
 from palpate.figures.wording import plural
 
 if TYPE_CHECKING:
-    from palpate.store.records import Recording
+    from palpate.store.filters import Filter
     from palpate.store.store import Store
     from palpate.store.verifying import Fault
 
 __all__ = [
     "check_installed",
-    "found_recording",
+    "check_known",
+    "check_name",
     "labels_of",
     "moment_of",
-    "opened",
     "tell_faults",
 ]
 
 
+FEW = 12
+"""Names are all listed up to this number."""
+OPTIONS = {"thing": "--object", "labels": "--label"}
+"""Fields of a filter whose options are called otherwise."""
 NEEDED = ("alembic", "pyarrow", "sqlalchemy", "yaml", "zstandard")
 
 
@@ -37,13 +39,10 @@ def check_installed() -> None:
         raise PalpateError(f'palpate store needs {missing[0]}, which is not installed: pip install "palpate[store]"')
 
 
-@contextmanager
-def opened(place: str | None, blobs: str | None) -> Iterator[Store]:
-    """The store of the options, closed afterwards."""
-    from palpate.store.opening import open_store
-
-    with open_store(place, blobs) as found:
-        yield found
+def check_name(option: str, found: str, names: Iterable[str]) -> None:
+    """Refuse what is none of the names that an option takes."""
+    if found not in names:
+        raise PalpateError(f"{option}: {found!r} was found{near(found, names)}; {choices(names)}")
 
 
 def labels_of(option: str, texts: Iterable[str]) -> Mapping[str, str]:
@@ -57,6 +56,27 @@ def labels_of(option: str, texts: Iterable[str]) -> Mapping[str, str]:
     return labels
 
 
+def check_known(store: Store, wanted: Filter, where: Mapping[str, str] = OPTIONS) -> None:
+    """Refuse a name that nothing in the store has; for when nothing matches, as it may be mistyped.
+
+    Parameters
+    ----------
+    where
+        What was typed for a field of the filter, if it was no option of the same name.
+
+    Raises
+    ------
+    PalpateError
+        Naming the option, and the name that was probably meant.
+    """
+    from palpate.store.unknown import unknown_names
+
+    for one in unknown_names(store, wanted):
+        few = f"; {choices(one.known)}" if 0 < len(one.known) <= FEW else ""
+        place = where.get(one.field, f"--{one.field}")
+        raise PalpateError(f"{place}: the store has no {one.what} {one.name!r}{near(one.name, one.known)}{few}")
+
+
 def moment_of(option: str, text: str | None) -> datetime | None:
     """A date or time in ISO 8601, in UTC unless it has a time zone."""
     if text is None:
@@ -66,17 +86,6 @@ def moment_of(option: str, text: str | None) -> datetime | None:
     except ValueError:
         raise PalpateError(f"{option}: {text!r} was found, expected a date or time such as 2024-05-01T14:00") from None
     return moment if moment.utcoffset() is not None else moment.replace(tzinfo=UTC)
-
-
-def found_recording(store: Store, key: str) -> Recording:
-    """The recording of an id or a digest."""
-    try:
-        return store.get(UUID(key))
-    except ValueError as error:
-        # an error of the store is one of values too
-        if isinstance(error, PalpateError):
-            raise
-        return store.get(key)
 
 
 def tell_faults(faults: Iterable[Fault]) -> Sequence[Fault]:

@@ -7,6 +7,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
+from palpate.cli.asked import Asked, RobotKind
 from palpate.cli.files import check_ending, replacing
 from palpate.cli.spectators import Audience, Spectator
 from palpate.explore import Step
@@ -14,7 +15,7 @@ from palpate.outcomes import Outcome
 from palpate.selection.policies import Choice
 
 if TYPE_CHECKING:
-    from palpate.cli.preparing import Asked, Ready
+    from palpate.cli.preparing import Ready
     from palpate.robots.mujoco.robot import MujocoRobot
     from palpate.robots.mujoco.scene import Scene
     from palpate.robots.mujoco.signals import Signals
@@ -67,8 +68,6 @@ def _spectators(asked: Asked, ready: Ready, robot: MujocoRobot | None, stack: Ex
 
 
 def _bench_robot(ready: Ready) -> MujocoRobot | None:
-    from palpate.cli.robot_kinds import RobotKind
-
     if ready.about.robot != RobotKind.MUJOCO.value:
         return None
     from palpate.robots.mujoco.robot import MujocoRobot

@@ -84,9 +84,10 @@ def document(
             key: {**table, "sensor": _sensor(table["sensor"], fitted.network, key, fitted.actions[key])}
             for key, table in template.tables["actions"].items()
         }
-    known = tables.pop("objects", {})
+    # the objects of the template are others than those that it was fitted to
+    tables.pop("objects", None)
     tables["provenance"] = provenance.table(template, data, settings)
-    return {**tables, "objects": known} if known else tables
+    return tables
 
 
 # Properties -------------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ from palpate.store.store import Store
 if TYPE_CHECKING:
     import pyarrow
 
-__all__ = ["CURVE_FILES", "write_curves"]
+__all__ = ["check_curve_file", "write_curves"]
 
 AT_ONCE = 2000
 
@@ -60,11 +60,16 @@ def write_curves(store: Store, gripper: str, path: Path, *, action: str | None =
     DamagedError
         If bytes are missing or cannot be read.
     """
-    write = CURVE_FILES.get(path.suffix.lower())
-    if write is None:
-        raise StoreError(f"{path}: has no ending of a file of curves; {choices(CURVE_FILES)}")
+    check_curve_file("path", path)
+    write = CURVE_FILES[path.suffix.lower()]
     found = curves_of_gripper(store, gripper, action=action)
     return write((Curve(id, series.name, channel) for id, series in found for channel in series.channels), path)
+
+
+def check_curve_file(where: str, path: Path) -> None:
+    """Refuse a path whose ending is none of a file of curves; `where` it was stated stands in the error."""
+    if path.suffix.lower() not in CURVE_FILES:
+        raise StoreError(f"{where}: {str(path)!r} has no ending of a file of curves; {choices(CURVE_FILES)}")
 
 
 def _write_arrays(curves: Iterable[Curve], path: Path) -> int:

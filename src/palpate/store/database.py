@@ -15,7 +15,19 @@ from sqlalchemy.exc import ArgumentError, DatabaseError
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.outages import tell_outages
 
-__all__ = ["LATEST", "changing", "connect", "migrate", "revision", "up_to_date", "writing"]
+__all__ = [
+    "LATEST",
+    "MERGE_LOCK",
+    "changing",
+    "connect",
+    "is_store",
+    "migrate",
+    "one_at_a_time",
+    "revision",
+    "snapshot",
+    "up_to_date",
+    "writing",
+]
 
 LATEST = "0002"
 MIGRATIONS = Path(__file__).parent / "migrations"
@@ -23,8 +35,8 @@ WAIT_S = 30
 PAGE_BYTES = 16384
 # 64 MiB of log before it is worked into the file
 CHECKPOINT_PAGES = 4096
-MIGRATION_LOCK = 0x70616C70
-"""Any number that other programs on one PostgreSQL are unlikely to lock."""
+MIGRATION_LOCK, MERGE_LOCK = 0x70616C70, 0x70616C71
+"""Any numbers that other programs on one PostgreSQL are unlikely to lock."""
 
 
 def connect(url: str, *, durable: bool = True) -> Engine:
@@ -33,7 +45,7 @@ def connect(url: str, *, durable: bool = True) -> Engine:
     Parameters
     ----------
     url
-        ``sqlite:///path`` or ``postgresql+psycopg://...``.
+        ``sqlite:///path`` or ``postgresql+psycopg://...``, or ``postgresql://...`` for the same.
     durable
         Whether what was committed survives a loss of power; without, SQLite may lose the last commits then, and is
         faster. A killed program loses nothing in either case.
@@ -49,14 +61,26 @@ def connect(url: str, *, durable: bool = True) -> Engine:
         raise StoreError(
             f"store {url!r}: is no address, expected a path, sqlite:///... or postgresql+psycopg://..."
         ) from None
-    if address.get_backend_name() == "postgresql":
+    if address.drivername in ("postgresql", "postgres"):
+        address = address.set(drivername="postgresql+psycopg")
+    if address.drivername == "postgresql+psycopg":
+        return _postgresql(address)
+    if address.get_backend_name() != "sqlite":
+        found = f"store {address!r}: found {address.drivername!r}"
+        raise StoreError(f"{found}, expected a path, sqlite:///... or postgresql+psycopg://...")
+    return _sqlite(address, durable=durable)
+
+
+def _postgresql(address: URL) -> Engine:
+    try:
         # whatever the encoding of the database, what is sent and read is text
         engine = create_engine(address, pool_pre_ping=True, connect_args={"client_encoding": "utf8"})
-        tell_outages(engine)
-        return engine
-    if address.get_backend_name() != "sqlite":
-        raise StoreError(f"store {url!r}: found {address.get_backend_name()!r}, expected SQLite or PostgreSQL")
-    return _sqlite(address, durable=durable)
+    except ImportError as error:
+        raise StoreError(
+            f'store {address!r}: needs psycopg, which is not installed: pip install "palpate[postgresql]"'
+        ) from error
+    tell_outages(engine)
+    return engine
 
 
 def _sqlite(address: URL, *, durable: bool) -> Engine:
@@ -106,12 +130,40 @@ def changing(engine: Engine) -> Iterator[Connection]:
         raise UnavailableError(f"{told}; nothing was changed") from None
 
 
+def one_at_a_time(connection: Connection, lock: int) -> None:
+    """Wait until no other transaction that writes holds this lock, and hold it until this one ends."""
+    # in SQLite a transaction that writes has locked out all others
+    if connection.dialect.name == "postgresql":
+        connection.execute(text("SELECT pg_advisory_xact_lock(:number)"), {"number": lock})
+
+
+@contextmanager
+def snapshot(engine: Engine) -> Iterator[Connection]:
+    """One transaction that reads: all that it sees is as it was at its first look, whatever is written meanwhile."""
+    if engine.dialect.name == "postgresql":
+        engine = engine.execution_options(isolation_level="REPEATABLE READ")
+    with engine.connect() as connection:
+        yield connection
+
+
 def revision(connection: Connection) -> str | None:
     """Which migration the tables are at; None where there are none."""
     if not inspect(connection).has_table("alembic_version"):
         return None
     found: str | None = connection.execute(text("SELECT version_num FROM alembic_version")).scalar()
     return found
+
+
+def is_store(engine: Engine) -> bool:
+    """Whether there are the tables of a store in a database.
+
+    Raises
+    ------
+    StoreError
+        If the database cannot be reached.
+    """
+    with _told(engine), engine.connect() as connection:
+        return revision(connection) is not None
 
 
 def up_to_date(engine: Engine) -> None:
@@ -122,11 +174,17 @@ def up_to_date(engine: Engine) -> None:
     StoreError
         If the database cannot be reached, or a newer version of the package made it.
     """
-    try:
+    with _told(engine):
         with engine.connect() as connection:
             if revision(connection) == LATEST:
                 return
         migrate(engine, "head")
+
+
+@contextmanager
+def _told(engine: Engine) -> Iterator[None]:
+    try:
+        yield
     except DatabaseError as error:
         # PostgreSQL tells on further lines where in a statement
         said = str(error.orig).partition("\n")[0]
@@ -144,9 +202,8 @@ def migrate(engine: Engine, target: str) -> None:
     config.set_main_option("path_separator", "os")
     with writing(engine).begin() as connection:
         config.attributes["connection"] = connection
-        # two programs may open a new store at once; in SQLite the one that writes has locked out the other
-        if connection.dialect.name == "postgresql":
-            connection.execute(text("SELECT pg_advisory_xact_lock(:number)"), {"number": MIGRATION_LOCK})
+        # two programs may open a new store at once
+        one_at_a_time(connection, MIGRATION_LOCK)
         found = revision(connection)
         known = {script.revision for script in ScriptDirectory.from_config(config).walk_revisions()}
         if found is not None and found not in known:

@@ -5,15 +5,19 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from sqlalchemy import URL
+
 from palpate.store.blobs import Blobs, FolderBlobs
-from palpate.store.database import connect, up_to_date
+from palpate.store.database import connect, is_store, up_to_date
 from palpate.store.errors import StoreError
 from palpate.store.store import Store
 
 __all__ = ["open_store"]
 
 
-def open_store(place: str | Path | None = None, blobs: str | Path | None = None, *, durable: bool = True) -> Store:
+def open_store(
+    place: str | Path | None = None, blobs: str | Path | None = None, *, durable: bool = True, make: bool = True
+) -> Store:
     """Open a store, and make it where there is none.
 
     Parameters
@@ -26,11 +30,13 @@ def open_store(place: str | Path | None = None, blobs: str | Path | None = None,
         the SQLite file.
     durable
         See `palpate.store.database.connect`.
+    make
+        Whether one is made where there is none; who only reads does not want a new one for a name mistyped.
 
     Raises
     ------
     StoreError
-        If it cannot be opened.
+        If it cannot be opened, or is not there and is not to be made.
 
     Examples
     --------
@@ -44,11 +50,16 @@ def open_store(place: str | Path | None = None, blobs: str | Path | None = None,
     if path is None and url.startswith("sqlite:///"):
         path = Path(url.removeprefix("sqlite:///")).absolute()
     if path is not None:
-        _make_folder(path.parent)
+        if make:
+            _make_folder(path.parent)
+        elif not path.exists():
+            raise _not_there(path)
         url = f"sqlite:///{path}"
-    kept = _blobs(blobs or os.environ.get("PALPATE_BLOBS"), path)
     engine = connect(url, durable=durable)
     try:
+        kept = _blobs(blobs or os.environ.get("PALPATE_BLOBS"), path)
+        if not make and not is_store(engine):
+            raise _not_there(path or engine.url)
         up_to_date(engine)
     except BaseException:
         engine.dispose()
@@ -71,8 +82,16 @@ def _blobs(place: str | Path | None, database: Path | None) -> Blobs:
     if place is not None:
         return FolderBlobs(Path(place).absolute())
     if database is None:
-        raise StoreError("PALPATE_BLOBS: is not set, expected a folder or s3://... for a store that is no SQLite file")
+        raise StoreError(
+            "blobs: none were given and PALPATE_BLOBS is not set, expected a folder or s3://... for the large bytes of "
+            "a store that is no SQLite file"
+        )
     return FolderBlobs(database.with_name(database.name + "-blobs"))
+
+
+def _not_there(place: Path | URL) -> StoreError:
+    # the text of an address hides its password
+    return StoreError(f"there is no store at {place}, expected one that an import or a recording has made")
 
 
 def _make_folder(folder: Path) -> None:

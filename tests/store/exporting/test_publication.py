@@ -14,7 +14,8 @@ from tests.store.exporting.shared import public
 
 
 def described(store: Store, **terms: object) -> Publication:
-    return publication(Selection.of(store), Terms(released=date(2026, 1, 2), **terms))[1]  # type: ignore[arg-type]
+    with Selection.of(store) as selection:
+        return publication(selection, Terms(released=date(2026, 1, 2), **terms))[1]  # type: ignore[arg-type]
 
 
 def test_what_is_stated_comes_from_the_recordings(local: Store) -> None:
@@ -29,9 +30,9 @@ def test_what_is_stated_comes_from_the_recordings(local: Store) -> None:
 @pytest.mark.parametrize(
     ("licences", "message"),
     [
-        (("MIT", None), "licence: found none for 1 recording, MIT for 1 recording; expected one for all"),
-        (("MIT", "CC0-1.0"), "licence: found CC0-1.0 for 1 recording, MIT for 1 recording; expected one for all"),
-        ((" ", None), "licence: found none for 2 recordings; expected one for all"),
+        (("MIT", None), "licence: found none for 1 recording, MIT for 1 recording, expected one for all"),
+        (("MIT", "CC0-1.0"), "licence: found CC0-1.0 for 1 recording, MIT for 1 recording, expected one for all"),
+        ((" ", None), "licence: found none for 2 recordings, expected one for all"),
     ],
 )
 def test_a_licence_must_be_known(local: Store, licences: tuple[str | None, ...], message: str) -> None:
@@ -45,7 +46,7 @@ def test_a_licence_must_be_known(local: Store, licences: tuple[str | None, ...],
 def test_an_author_must_be_known(local: Store) -> None:
     """Where nobody owns a recording an author must be stated."""
     local.put(public(1, owner=None))
-    with pytest.raises(StoreError, match="authors: no recording names an owner, expected an author"):
+    with pytest.raises(StoreError, match="authors: no recording names an owner, expected who made the data"):
         described(local)
     assert described(local, authors=("Doe, Jane", "Doe, Jane", " ")).authors == ("Doe, Jane",)
 
@@ -55,7 +56,7 @@ def test_something_must_be_public(local: Store) -> None:
     with pytest.raises(StoreError, match="no recording matches, expected one at least"):
         described(local, include_private=True)
     local.put_many([public(number, visibility="lab") for number in range(2)])
-    with pytest.raises(StoreError, match="found no public recording among the 2 recordings that match"):
+    with pytest.raises(StoreError, match="include_private: none of the 2 recordings that match is public"):
         described(local)
 
 

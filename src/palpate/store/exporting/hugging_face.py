@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from palpate.markdown import cell
 from palpate.store.exporting.card import contents_part, front_matter, measured_part, quoting_part
 from palpate.store.exporting.columns import RECORDINGS
-from palpate.store.exporting.markdown import cell
 from palpate.store.exporting.publication import Terms, publication
 from palpate.store.exporting.selection import Selection
 from palpate.store.exporting.shards import SHARD_BYTES
-from palpate.store.exporting.tables import left_out, write_tables
+from palpate.store.exporting.tables import withheld, write_tables
 from palpate.store.exporting.writing import Told, Written
 
 __all__ = ["HuggingFace"]
@@ -47,7 +47,7 @@ class HuggingFace:
             quoting_part(data),
         ]
         (folder / "README.md").write_text("\n\n".join(parts) + "\n", encoding="utf-8")
-        return Written(data.census.recordings, left_out(selection, data))
+        return Written(data.census.recordings, withheld=withheld(selection, data))
 
 
 def _joining() -> str:

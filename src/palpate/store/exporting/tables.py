@@ -7,7 +7,6 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from palpate.errors import plural
 from palpate.store.exporting.citation import citation_file
 from palpate.store.exporting.columns import OBJECTS, SETUPS, TABLES, Table
 from palpate.store.exporting.croissant import Described, croissant_file
@@ -17,7 +16,7 @@ from palpate.store.exporting.selection import Selection
 from palpate.store.exporting.shards import SHARD_BYTES, Shard, ShardWriter
 from palpate.store.exporting.writing import Told, Written
 
-__all__ = ["Tables", "left_out", "write_tables"]
+__all__ = ["Tables", "withheld", "write_tables"]
 
 
 @dataclass(frozen=True)
@@ -46,7 +45,7 @@ class Tables:
         """Write the tables and what describes them."""
         given, data = publication(selection, self.terms)
         write_tables(given, data, folder, told, self.shard_bytes)
-        return Written(data.census.recordings, left_out(selection, data))
+        return Written(data.census.recordings, withheld=withheld(selection, data))
 
 
 def write_tables(
@@ -60,12 +59,9 @@ def write_tables(
     return shards
 
 
-def left_out(selection: Selection, data: Publication) -> tuple[str, ...]:
-    """What was not given although it was asked for."""
-    withheld = selection.count() - data.census.recordings
-    if not withheld:
-        return ()
-    return (f"{plural(withheld, 'recording')} left out, not public (--include-private takes them too)",)
+def withheld(selection: Selection, data: Publication) -> int:
+    """How many recordings were not given although they were asked for, as they are not public."""
+    return selection.count() - data.census.recordings
 
 
 def _write(
@@ -82,7 +78,7 @@ def _write(
                 writers[table].write([table.of(rows)])
             done += len(batch)
             told(done, data.census.recordings)
-        writers[OBJECTS].write([OBJECTS.of(list(object_rows(data.census, selection.store)))])
+        writers[OBJECTS].write([OBJECTS.of(list(object_rows(data.census, selection.connection)))])
         writers[SETUPS].write([SETUPS.of(list(setup_rows(data.census)))])
     return {table: _numbered(table, writer.shards) for table, writer in writers.items() if writer.shards}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
@@ -21,14 +22,14 @@ from palpate.store.exporting.lerobot.episodes import (
     episodes_schema,
     frames_table,
 )
-from palpate.store.exporting.lerobot.features import Features, find_features
+from palpate.store.exporting.lerobot.features import Features, all_untimed, find_features
 from palpate.store.exporting.lerobot.frames import Timing
 from palpate.store.exporting.lerobot.info import TASKS, robot_of, write_meta, write_tasks
 from palpate.store.exporting.lerobot.resampling import Nearest, Resampling
 from palpate.store.exporting.publication import Terms, publication
 from palpate.store.exporting.selection import Selection
 from palpate.store.exporting.shards import ShardWriter
-from palpate.store.exporting.tables import left_out
+from palpate.store.exporting.tables import withheld
 from palpate.store.exporting.writing import Told, Written
 from palpate.store.records import Recording
 
@@ -69,9 +70,13 @@ class LeRobot:
     def _timing(self) -> Timing:
         return Timing(self.fps, self.resampling, self.assumed_rate_hz)
 
+    def _lacking(self, given: Selection) -> Mapping[str, str]:
+        untimed = None if self.assumed_rate_hz is not None else all_untimed(given)
+        return {} if untimed is None else {"assumed_rate_hz": untimed}
+
     def write(self, selection: Selection, folder: Path, told: Told) -> Written:
         """Write frames, what describes them, and the card."""
-        given, data = publication(selection, self.terms)
+        given, data = publication(selection, self.terms, self._lacking)
         features = find_features(given, self.assumed_rate_hz)
         episodes, notices = self._write_episodes(given, features, folder, told, data.census.recordings)
         if not episodes.episodes:
@@ -84,11 +89,12 @@ class LeRobot:
         ]
         (folder / "croissant.json").write_text(croissant_file(data, described, folder), encoding="utf-8")
         (folder / "CITATION.cff").write_text(citation_file(data), encoding="utf-8")
-        said = (*left_out(selection, data), *features.notices, *notices)
+        said, private = (*features.notices, *notices), withheld(selection, data)
+        told_of = (f"{plural(private, 'recording')} left out, not public", *said) if private else said
         (folder / "README.md").write_text(
-            card(data, [one.table for one in described], episodes, said), encoding="utf-8"
+            card(data, [one.table for one in described], episodes, told_of), encoding="utf-8"
         )
-        return Written(episodes.episodes, said)
+        return Written(episodes.episodes, said, private)
 
     def _write_episodes(
         self, selection: Selection, features: Features, folder: Path, told: Told, of: int

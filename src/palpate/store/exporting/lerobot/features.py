@@ -8,11 +8,13 @@ from dataclasses import dataclass
 from math import prod
 from typing import Any
 
+from palpate.errors import plural
 from palpate.store.errors import StoreError
 from palpate.store.exporting.lerobot.pictures import size_of
+from palpate.store.exporting.publication import LackingError
 from palpate.store.exporting.selection import Selection
 
-__all__ = ["Features", "Picture", "Signal", "find_features"]
+__all__ = ["Features", "Picture", "Signal", "all_untimed", "find_features"]
 
 
 @dataclass(frozen=True)
@@ -84,13 +86,17 @@ def find_features(selection: Selection, assumed_rate_hz: float | None) -> Featur
 
     Raises
     ------
+    LackingError
+        If nothing is in all of them, and some could be with an assumed rate.
     StoreError
-        If nothing is in all of them.
+        If nothing is in all of them otherwise.
     """
     found = _look(selection, assumed_rate_hz)
     signals = tuple(signal for signal, count in found.signals.items() if count == found.total)
     pictures = tuple(_pictures(found))
     notices = tuple(_notices(found))
+    if not signals and not pictures and found.untimed:
+        raise LackingError({"assumed_rate_hz": _without_rate(found.untimed)})
     if not signals and not pictures:
         why = "; ".join(notices[:2]) or "none has samples or images"
         raise StoreError(
@@ -100,6 +106,27 @@ def find_features(selection: Selection, assumed_rate_hz: float | None) -> Featur
     return Features(signals, pictures, notices)
 
 
+def all_untimed(selection: Selection) -> str | None:
+    """That nobody knows when any sample was taken, in words; None where it is known of one, or there are images."""
+    found: Counter[str] = Counter()
+    for outline in selection.outlines():
+        signals, untimed = _signals(outline.document["series"], timed=False)
+        if signals or any(_is_image(item) for item in outline.document["files"]):
+            return None
+        found.update(untimed)
+    return _without_rate(found) if found else None
+
+
+def _without_rate(untimed: Counter[str]) -> str:
+    named = ", ".join(f"{name} of {plural(count, 'recording')}" for name, count in untimed.most_common(3))
+    more = f" and {len(untimed) - 3} more" if len(untimed) > 3 else ""
+    return f"neither a rate nor time stamps are stated for {named}{more}, expected samples per second to assume"
+
+
+def _is_image(item: Mapping[str, Any]) -> bool:
+    return bool(item["media_type"].casefold().startswith("image/"))
+
+
 def _look(selection: Selection, assumed_rate_hz: float | None) -> Found:
     found = Found(0, Counter(), Counter(), Counter())
     for outline in selection.outlines():
@@ -107,7 +134,7 @@ def _look(selection: Selection, assumed_rate_hz: float | None) -> Found:
         images = {
             item["name"]: size_of(selection.store.blobs.get(item["sha256"]))
             for item in outline.document["files"]
-            if item["media_type"].casefold().startswith("image/")
+            if _is_image(item)
         }
         found.signals.update(signals)
         found.untimed.update(untimed)
@@ -158,7 +185,7 @@ def _notices(found: Found) -> Iterator[str]:
             where = f"{signal.series}.{signal.channel} ({unit}): left out"
             yield f"{where}, only {count} of {found.total} recordings have it"
     for name, count in found.untimed.items():
-        yield f"{name}: left out, without a rate or time stamps in {count} (an assumed rate, --assumed-rate, takes it)"
+        yield f"{name}: left out, without a rate or time stamps in {count} (an assumed rate takes it)"
     for (name, size), count in found.images.items():
         if size is None:
             yield f"{name}: left out, no image of eight bits in {count}"

@@ -1,0 +1,117 @@
+"""Where a store is: only what writes makes one, and what is not installed is named."""
+
+import sqlite3
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+import typer.main
+
+from palpate.cli.app import app
+from palpate.store.opening import open_store
+from tests.docs.test_reference import commands
+from tests.store.made_up import squeeze
+
+ARGUMENTS = {
+    "palpate store curves": ("--gripper", "two_finger", "--output", "curves.npz"),
+    "palpate store episode": ("ab",),
+    "palpate store export": ("exported",),
+    "palpate store object show": ("mug",),
+    "palpate store object set": ("mug", "--maker", "ann"),
+    "palpate store object know": ("mug", "mass", "1 g", "--source", "a scale"),
+    "palpate store object forget": ("mug", "mass"),
+    "palpate store object merge": ("mug", "cup"),
+    "palpate store object split": ("mug",),
+    "palpate store object undo": ("mug",),
+}
+MAKES = {"palpate store import", "palpate store object add", "palpate store schema"}
+ALL = {path for path, _ in commands(typer.main.get_command(app)) if path.startswith("palpate store ")}
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder to be in, without a store that is found by the environment."""
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    monkeypatch.delenv("PALPATE_STORE", raising=False)
+    monkeypatch.delenv("PALPATE_BLOBS", raising=False)
+    return tmp_path / "here"
+
+
+@pytest.mark.parametrize("command", sorted(ALL - MAKES))
+def test_what_needs_a_store_makes_none(run: Any, folder: Path, command: str) -> None:
+    """A name mistyped is said to be no store, and nothing is made: neither a file nor a folder."""
+    for place in ("typo.sqlite", "no/folder/typo.sqlite"):
+        refused = run(*command.split()[1:], *ARGUMENTS.get(command, ()), "--store", place).refused
+        assert f"there is no store at {folder / place}, expected one that" in refused
+    assert not list(folder.iterdir())
+
+
+@pytest.mark.parametrize("what", ["nothing", "other tables"])
+def test_a_file_without_a_store_in_it_gets_none(run: Any, folder: Path, what: str) -> None:
+    """An empty file and the database of another program are no stores, and get no tables."""
+    if what == "nothing":
+        Path("other.sqlite").touch()
+    else:
+        with sqlite3.connect("other.sqlite") as connection:
+            connection.execute("CREATE TABLE visits (id)")
+        connection.close()
+    assert "there is no store at" in run("store", "verify", "--store", "other.sqlite").refused
+    connection = sqlite3.connect("other.sqlite")
+    assert {name for (name,) in connection.execute("SELECT name FROM sqlite_master")} <= {"visits"}
+    connection.close()
+
+
+def test_what_replays_or_fits_makes_none(run: Any, folder: Path) -> None:
+    """A replay from a store and a fit to one need one that is there."""
+    for command in (
+        ("explore", "mug", "--robot", "replay", "--session", "store"),
+        ("explore", "mug", "--robot", "replay", "--session", "store:ab"),
+        ("network", "fit", "--like", "household", "-o", "own.toml"),
+    ):
+        assert "there is no store at" in run(*command, "--store", "typo.sqlite").refused
+    assert not list(folder.iterdir())
+
+
+def test_what_writes_makes_one(run: Any, folder: Path) -> None:
+    """An import, an object that is added, and an exploration that is kept, make the store."""
+    assert run("store", "import", "--example", "--store", "a.sqlite").code == 0
+    assert run("store", "object", "add", "our/mug", "--store", "b.sqlite").code == 0
+    assert run("explore", "ceramic_mug", "--seed", 1, "--steps", 1, "--record", "--store", "c.sqlite").code == 0
+    for name in "abc":
+        assert run("store", "verify", "--store", f"{name}.sqlite").out == "all is as it was written\n"
+
+
+@pytest.mark.parametrize("place", ["postgresql+psycopg://ann:secret@host/lab", "postgresql://ann:secret@host/lab"])
+def test_the_driver_of_postgresql_is_named(run: Any, monkeypatch: pytest.MonkeyPatch, place: str) -> None:
+    """Without psycopg one is told what to install, and a password is not told."""
+    monkeypatch.setitem(sys.modules, "psycopg", None)
+    refused = run("store", "show", "--store", place, "--blobs", "blobs").refused
+    assert 'needs psycopg, which is not installed: pip install "palpate[postgresql]"' in refused
+    assert "secret" not in refused
+
+
+def test_the_client_of_buckets_is_named(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without obstore, likewise."""
+    with open_store("store.sqlite") as store:
+        store.put(squeeze())
+    monkeypatch.setitem(sys.modules, "obstore.store", None)
+    refused = run("store", "show", "--store", "store.sqlite", "--blobs", "s3://lab/blobs").refused
+    assert 'need obstore, which is not installed: pip install "palpate[s3]"' in refused
+
+
+@pytest.mark.parametrize("place", ["mysql://ann:secret@host/lab", "https://host/lab", "postgresql+psycopg2://host/lab"])
+def test_an_address_of_another_kind_is_refused(run: Any, place: str) -> None:
+    """What is wrong with the address of the store is told before what is missing beside it."""
+    refused = run("store", "show", "--store", place).refused
+    assert "expected a path, sqlite:///... or postgresql+psycopg://..." in refused
+    assert "PALPATE_BLOBS" not in refused
+    assert "secret" not in refused
+
+
+def test_a_server_needs_a_place_for_large_bytes(run: Any) -> None:
+    """Without one for a store in a server the option and the variable are named."""
+    refused = run("store", "show", "--store", "postgresql+psycopg://lab@127.0.0.1:1/nowhere").refused
+    assert "blobs: none were given and PALPATE_BLOBS is not set, expected a folder or s3://..." in refused
