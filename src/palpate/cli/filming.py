@@ -17,7 +17,7 @@ from palpate.outcomes import Outcome
 from palpate.robots.mujoco.camera import Camera
 from palpate.robots.mujoco.furniture import OVERVIEW
 from palpate.robots.mujoco.motion import TICK_S
-from palpate.robots.mujoco.signals import ImageSignals, Signals
+from palpate.robots.signals import ImageSignals, Signals
 from palpate.selection.policies import Choice
 from palpate.summary import summarise
 

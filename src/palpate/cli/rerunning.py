@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from palpate.robots.mujoco.bench import Bench
     from palpate.robots.mujoco.camera import Camera
     from palpate.robots.mujoco.scene import Scene
-    from palpate.robots.mujoco.signals import GripperSamples, Signals
+    from palpate.robots.signals import GripperSamples, Signals
 
 __all__ = ["Rerunning", "check_rerun"]
 
@@ -100,7 +100,7 @@ class Rerunning:
 
     def measured(self, action: str, signals: Signals, outcome: Outcome) -> None:
         """Log raw signals at the times at which they were read."""
-        from palpate.robots.mujoco.signals import ImageSignals, SoundSignals, SqueezeSignals, WeighSignals
+        from palpate.robots.signals import ImageSignals, SoundSignals, SqueezeSignals, WeighSignals
 
         match signals:
             case ImageSignals():

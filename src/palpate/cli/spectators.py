@@ -12,7 +12,7 @@ from palpate.selection.policies import Choice
 
 if TYPE_CHECKING:
     from palpate.robots.mujoco.scene import Scene
-    from palpate.robots.mujoco.signals import Signals
+    from palpate.robots.signals import Signals
 
 __all__ = ["Audience", "Spectator"]
 

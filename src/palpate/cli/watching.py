@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from palpate.cli.preparing import Ready
     from palpate.robots.mujoco.robot import MujocoRobot
     from palpate.robots.mujoco.scene import Scene
-    from palpate.robots.mujoco.signals import Signals
     from palpate.robots.mujoco.viewer import Viewer
+    from palpate.robots.signals import Signals
 
 __all__ = ["check_watching", "watching"]
 

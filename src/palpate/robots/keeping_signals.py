@@ -5,7 +5,7 @@ Any robot can keep its signals in this layout, and any estimator can then be tri
 - a weighing: series ``arm`` (``<joint>_torque``, ``<joint>_angle``) while the object is held, ``arm_empty`` with the
   empty gripper, ``gripper`` (``gap``, ``force``, ``position``, ``current``); levers and gaps in the grasp;
 - a squeeze: series ``gripper``; contact area and rest width in the grasp;
-- a knock: the file ``sound.wav``, and the impulse in ``data/knock.json``;
+- a knock: the file ``sound.wav``, and the impulse, where it is known, in ``data/knock.json``;
 - an image: the file ``image.png``.
 """
 
@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.recording.recorder import Recorder
-from palpate.robots.mujoco.signals import (
+from palpate.robots.signal_files import wav
+from palpate.robots.signals import (
     GripperSamples,
     HoldSignals,
     ImageSignals,
@@ -26,7 +27,6 @@ from palpate.robots.mujoco.signals import (
     SqueezeSignals,
     WeighSignals,
 )
-from palpate.robots.signal_files import wav
 from palpate.store.records import Channel, Series
 
 __all__ = ["ARM", "EMPTY", "GRIPPER", "IMAGE", "KNOCK", "SOUND", "keep_signals"]
@@ -54,7 +54,8 @@ def keep_signals(recorder: Recorder, signals: Signals) -> None:
             )
         case SoundSignals():
             recorder.file(SOUND, wav(signals.samples, signals.rate_hz))
-            recorder.variable(KNOCK, {"impulse_ns": signals.impulse_ns})
+            if signals.impulse_ns is not None:
+                recorder.variable(KNOCK, {"impulse_ns": signals.impulse_ns})
         case ImageSignals():
             recorder.file(IMAGE, signals.image)
 

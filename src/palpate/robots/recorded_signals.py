@@ -14,7 +14,8 @@ from palpate.errors import choices, near
 from palpate.outcomes import Outcome
 from palpate.recording.errors import RecordingError
 from palpate.robots.keeping_signals import ARM, EMPTY, GRIPPER, IMAGE, KNOCK, SOUND
-from palpate.robots.mujoco.signals import (
+from palpate.robots.signal_files import pixels_of, sound_of
+from palpate.robots.signals import (
     GripperSamples,
     HoldSignals,
     ImageSignals,
@@ -23,7 +24,6 @@ from palpate.robots.mujoco.signals import (
     SqueezeSignals,
     WeighSignals,
 )
-from palpate.robots.signal_files import pixels_of, sound_of
 from palpate.store.records import Channel, Recording
 
 __all__ = ["estimated_again", "signals_in"]
@@ -44,8 +44,9 @@ def signals_in(recording: Recording) -> Signals:
             return ImageSignals(pixels_of(_bytes(files[IMAGE])))
         if SOUND in files:
             samples, rate_hz = sound_of(_bytes(files[SOUND]))
-            told = json.loads(_bytes(files[f"data/{KNOCK}.json"]))
-            return SoundSignals(samples, rate_hz, float(told["impulse_ns"]))
+            knock = files.get(f"data/{KNOCK}.json")
+            impulse = None if knock is None else json.loads(_bytes(knock))["impulse_ns"]
+            return SoundSignals(samples, rate_hz, impulse)
         if ARM in series:
             return _weighing(series, recording.grasp or {})
         if GRIPPER in series:

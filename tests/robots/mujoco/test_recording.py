@@ -17,9 +17,9 @@ from palpate.robots.mujoco.estimates import estimates
 from palpate.robots.mujoco.noise import QUIET, BenchNoise
 from palpate.robots.mujoco.recording import bench_setup, keep_in_recording
 from palpate.robots.mujoco.robot import MujocoRobot
-from palpate.robots.mujoco.signals import ImageSignals, Signals, SoundSignals
 from palpate.robots.recorded import RecordedRobot
 from palpate.robots.recorded_signals import estimated_again, signals_in
+from palpate.robots.signals import ImageSignals, Signals, SoundSignals
 from palpate.selection.stopping import NothingLeft
 from palpate.store.opening import open_store
 from palpate.store.records import Recording, ThingRef

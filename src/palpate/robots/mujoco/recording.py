@@ -16,7 +16,7 @@ from palpate.robots.mujoco.furniture import CAMERA, IMAGE_SIZE
 from palpate.robots.mujoco.gripper import FORCE_RANGE_N, NEWTON_PER_AMPERE, PAD_MM, POSITION_STEP_MM, STROKE_MM
 from palpate.robots.mujoco.knocking import RATE_HZ
 from palpate.robots.mujoco.scene import STEP_S
-from palpate.robots.mujoco.signals import Signals
+from palpate.robots.signals import Signals
 from palpate.store.records import Device, Pose, Setup
 
 __all__ = ["bench_setup", "engine", "keep_in_recording"]

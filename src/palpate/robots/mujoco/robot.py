@@ -17,7 +17,7 @@ from palpate.robots.mujoco.errors import BenchError
 from palpate.robots.mujoco.noise import BenchNoise
 from palpate.robots.mujoco.reading import SHIPPED, bench_object, read_roles
 from palpate.robots.mujoco.repertoire import Deed, repertoire
-from palpate.robots.mujoco.signals import Signals
+from palpate.robots.signals import Signals
 
 __all__ = ["Estimate", "Listener", "MujocoRobot", "Skill"]
 

@@ -14,7 +14,7 @@ from palpate.robots.mujoco.gripper import (
 )
 from palpate.robots.mujoco.motion import TICK_S
 from palpate.robots.mujoco.scene import GRAVITY_M_S2
-from palpate.robots.mujoco.signals import SqueezeSignals
+from palpate.robots.signals import SqueezeSignals
 
 __all__ = ["squeeze"]
 

@@ -12,7 +12,7 @@ from palpate.robots.mujoco.bench import Bench, Mishap
 from palpate.robots.mujoco.gripper import NEWTON_PER_AMPERE, gap_read_mm, position_counts
 from palpate.robots.mujoco.motion import TICK_S, reach
 from palpate.robots.mujoco.scene import ARM, Scene
-from palpate.robots.mujoco.signals import GripperSamples, HoldSignals, WeighSignals
+from palpate.robots.signals import GripperSamples, HoldSignals, WeighSignals
 
 __all__ = ["POSE_M", "SAMPLES", "weigh"]
 
