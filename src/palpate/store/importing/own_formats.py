@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from palpate.store.importing.archive_more import more_of_archive
 from palpate.store.importing.folder import JOURNAL
 from palpate.store.importing.items import Item, Outcome
 from palpate.store.importing.reading_folder import read_folder, stated_digest
-from palpate.store.reading_archive import archive_rows, stated_count
+from palpate.store.reading_archive import archive_rows, stated_count, stated_units
 from palpate.store.store import Store
 
 __all__ = ["EXAMPLE", "Archives", "RecordingFolders"]
@@ -44,7 +44,11 @@ class Archives:
         """The recordings; what is there already need not be read, as its digest is stated."""
         for row in archive_rows(path):
             digest = row.digest if DIGEST.fullmatch(row.digest or "") else None
-            yield Item(f"{path}: recording {row.id}", row.read, digest)
+            yield Item(f"{path}: recording {row.id}", row.read, digest, row.is_known_wrong)
+
+    def units(self, path: Path) -> Mapping[str, str]:
+        """Property to its unit: a result that is known to be wrong must not decide, though it may be the first."""
+        return stated_units(path)
 
     def put_more(self, path: Path, store: Store) -> Iterator[Outcome]:
         """What is said of objects, and the episodes; what the store has or says already stays."""
