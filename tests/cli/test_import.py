@@ -72,7 +72,7 @@ def test_a_column_map_is_given(run: Any, tmp_path: Path, place: Path) -> None:
     (tmp_path / "a.csv").write_text("force\n1\n2\n")
     columns = tmp_path / "columns.toml"
     columns.write_text("action = 'squeezing'\n[channels.force]\n[object]\ndataset = 'a'\n")
-    assert "expected one of id, column and pattern" in run("store", "import", tmp_path, "--columns", columns).refused
+    assert "found none of id, column and pattern" in run("store", "import", tmp_path, "--columns", columns).refused
     assert not place.exists()
     columns.write_text(columns.read_text() + "id = 'b'\n")
     done = run("store", "import", tmp_path / "a.csv", "--columns", columns)
