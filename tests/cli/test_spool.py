@@ -1,8 +1,10 @@
+import shutil
 from pathlib import Path
 
 import pytest
 
 from palpate.recording.spool import Spool
+from palpate.store.entries import Value
 from palpate.store.opening import open_store
 from tests.cli.conftest import Run
 from tests.store.importing.invented import squeeze
@@ -56,6 +58,29 @@ def test_refused_ones_are_sent_again_when_asked(run: Run, spool: Spool, tmp_path
     assert "0 waiting, 0 refused" in ran.out
 
 
+def test_what_did_not_leave_the_spool_is_exit_code_1(run: Run, spool: Spool, tmp_path: Path) -> None:
+    """While something waits or was refused the command has not done its work, and says what to do."""
+    spool.add(squeeze())
+    refused = spool.add(squeeze(entries=(Value("fluffiness", 1.0, unit="kPa"),)))
+    with open_store(tmp_path / "store.sqlite") as store:
+        store.put(squeeze(action="weighing", entries=(Value("fluffiness", 1.0, unit="mm"),)))
+    arguments = ("spool", "upload", "--spool", spool.folder, "--to", tmp_path / "store.sqlite")
+    ran = run(*arguments)
+    assert ran.code == 1
+    assert "0 waiting, 1 refused" in ran.out
+    assert "palpate spool upload --refused" in ran.out
+    assert list(spool.refused()) == [refused]
+    with spool.claimed(spool.add(squeeze())) as is_mine:
+        assert is_mine
+        ran = run(*arguments)
+    assert ran.code == 1
+    assert "1 waiting, 1 refused" in ran.out
+    assert "palpate spool upload again" in ran.out
+    shutil.rmtree(spool.folder / "refused" / refused)
+    ran = run(*arguments)
+    assert (ran.code, "again" in ran.out) == (0, False)
+
+
 def test_a_server_that_is_away_is_one_sentence(run: Run, spool: Spool) -> None:
     """Nobody at the address is an error, exit code 2, and everything waits on."""
     spool.add(squeeze())
@@ -64,7 +89,18 @@ def test_a_server_that_is_away_is_one_sentence(run: Run, spool: Spool) -> None:
     assert len(spool.waiting()) == 1
 
 
-def test_an_empty_spool_is_no_error(run: Run, tmp_path: Path) -> None:
-    """A spool that is not there yet is empty."""
+@pytest.mark.parametrize("command", ["list", "recover", "upload"])
+def test_a_wrong_path_is_no_empty_spool(run: Run, tmp_path: Path, command: str) -> None:
+    """A folder that was typed wrong is an error, whether there is something else or nothing; nothing is made."""
+    for wrong in (tmp_path, tmp_path / "none"):
+        assert f"there is no spool at {wrong}" in run("spool", command, "--spool", wrong).refused
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_nothing_recorded_yet_is_no_error(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The spool of one's own is made by the first recording, and is empty before; so is one that was emptied."""
+    monkeypatch.setenv("PALPATE_SPOOL", str(tmp_path / "none"))
+    assert "0 waiting" in run("spool", "list").out
+    assert "0 recovered" in run("spool", "recover").out
+    (tmp_path / "none" / "waiting").mkdir(parents=True)
     assert "0 waiting" in run("spool", "list", "--spool", tmp_path / "none").out
-    assert "0 recovered" in run("spool", "recover", "--spool", tmp_path / "none").out

@@ -194,7 +194,9 @@ def test_a_step_that_timed_out_has_no_recording_yet(store: Store, spool: Spool) 
 
 def test_a_store_of_other_units_is_refused(store: Store, spool: Spool) -> None:
     """Before anything is measured it is told that a property has another dimension in the store."""
-    store.put(Recording(datetime(2024, 5, 1, tzinfo=UTC), "weighing", MUG, entries=(Value("mass", 1.0, unit="N"),)))
-    robot = RecordedRobot(FunctionRobot({}), NETWORK, store, thing=MUG, spool=spool)
-    with pytest.raises(StoreError, match="property 'mass' of the network 'household-filled': unit 'g' is mass"):
-        KeptEpisode(store, robot, ExactBelief(NETWORK))
+    entries = (Value("firmness", 1.0, unit="kPa"),)
+    store.put(Recording(datetime(2024, 5, 1, tzinfo=UTC), "pressing", MUG, entries=entries))
+    pantry = load_network("pantry")
+    robot = RecordedRobot(FunctionRobot({}), pantry, store, thing=MUG, spool=spool)
+    with pytest.raises(StoreError, match="property 'firmness' of the network 'pantry': unit 'N/mm' is mass"):
+        KeptEpisode(store, robot, ExactBelief(pantry))

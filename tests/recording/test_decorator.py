@@ -225,6 +225,29 @@ def test_wrong_signals_are_refused_where_they_are_given(spool: Spool) -> None:
     assert isinstance(recorded(spool)[0].entries[0], FailedEntry)
 
 
+def test_a_wrong_unit_of_what_everybody_knows_is_an_error_at_its_line(spool: Spool) -> None:
+    """Neither a series nor a result in a wrong unit gets into the spool, and the measurement can go on."""
+    reached = []
+
+    @record("squeezing", spool=spool)
+    def squeeze() -> Any:
+        recorder = current_recording()
+        with pytest.raises(StoreError, match=r"position.unit: unit 'kg' is mass; expected length, as 'm'"):
+            recorder.series("gripper", position=[1.0], units={"position": "kg"})
+        with pytest.raises(StoreError, match=r"left.unit: unit 'N' is .*; expected current, as 'A'"):
+            recorder.series("gripper", left=[1.0], units={"left": "N"}, quantities={"left": "current"})
+        with pytest.raises(StoreError, match=r"unit 'g' is mass; expected .*, as 'Pa'"):
+            recorder.entry(Value("elasticity", 42.0, unit="g"))
+        reached.append(recorder.recording)
+        return Outcome.normal("elasticity", 42.0, unit="g")
+
+    squeeze()
+    (found,) = recorded(spool)
+    assert (reached[0].series, reached[0].entries, found.series) == ((), (), ())
+    assert isinstance(found.entries[0], FailedEntry)
+    assert "unit 'g' is mass" in found.entries[0].reason
+
+
 def test_names_are_given_once(spool: Spool) -> None:
     """A second file or series of one name is refused; the first one stays."""
 

@@ -1,5 +1,6 @@
 import shutil
 from pathlib import Path
+from uuid import UUID
 
 import pytest
 from hypothesis import given, settings
@@ -89,6 +90,51 @@ def test_only_the_last_move_was_missing(spool: Spool) -> None:
     assert isinstance(found, Recording)
     assert found.digest == digest
     assert found.entries == squeeze().entries
+
+
+@pytest.mark.parametrize("cut", ["0001.npy", "log.txt"])
+def test_a_whole_journal_with_a_cut_array_is_a_remainder(spool: Spool, cut: str) -> None:
+    """After a power cut the journal may be whole and an array not: what is left waits, as failed; nothing raises."""
+    unfinished = spool.begin(squeeze(series=(), files=(), log="", entries=()))
+    for series in squeeze().series:
+        unfinished.writer.add_series(series)
+    unfinished.writer.write_log("closing\n")
+    unfinished.writer.end(sync=False, entries=squeeze().entries)
+    spool.abandon(unfinished)
+    path = spool.folder / "open" / unfinished.name / cut
+    path.write_bytes(path.read_bytes()[:-2])
+    ((_, found),) = spool.recover()
+    assert isinstance(found, Recording)
+    assert found.entries == (*squeeze().entries, FailedEntry(KILLED))
+    assert len(found.series) == (1 if cut == "0001.npy" else 2)
+    assert (cut in " ".join(found.notices)) == (cut == "0001.npy")
+    assert spool.read(unfinished.name).digest == found.digest
+    assert (spool.waiting(), spool.unfinished()) == ([unfinished.name], {})
+
+
+def test_a_whole_remainder_is_on_the_disk_before_it_waits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What was killed before it was synced is synced before it is acknowledged."""
+    spool, done = Spool(tmp_path / "spool"), list[str]()
+    unfinished = spool.begin(squeeze(series=(), files=(), log=""))
+    unfinished.writer.end(sync=False)
+    spool.abandon(unfinished)
+    monkeypatch.setattr("palpate.recording.spool.sync_tree", lambda folder: done.append(folder.parent.name))
+    list(spool.recover())
+    assert done == ["open"]
+
+
+def test_the_same_recording_again_is_the_same(spool: Spool) -> None:
+    """What is added twice waits once, also where it was refused before; another one under its id is an error."""
+    name = spool.add(squeeze(id=UUID(int=1)))
+    assert spool.add(squeeze(id=UUID(int=1))) == name
+    with spool.claimed(name):
+        spool.refuse(name, "no such owner")
+    assert spool.add(squeeze(id=UUID(int=1))) == name
+    assert (spool.waiting(), spool.refused()) == ([name], {})
+    with pytest.raises(RecordingError, match=f"{name} is another recording"):
+        spool.add(squeeze(id=UUID(int=1), action="weighing"))
+    assert spool.read(name).action == "squeezing"
+    assert list((spool.folder / "drafts").iterdir()) == []
 
 
 def test_a_recovery_that_was_killed_is_done_again(spool: Spool, tmp_path: Path) -> None:

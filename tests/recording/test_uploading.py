@@ -11,7 +11,7 @@ from palpate.client import NotAllowedError, RefusedError, UnreachableError
 from palpate.recording.background import uploading
 from palpate.recording.spool import Spool
 from palpate.recording.uploading import BackOff, Sent, upload
-from palpate.store.errors import StoreError
+from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.opening import open_store
 from palpate.store.records import Receipt, Recording
 from palpate.store.store import Store
@@ -118,9 +118,24 @@ def test_what_is_refused_is_set_aside(spool: Spool) -> None:
 
 def test_a_busy_store_is_asked_again_and_then_left(spool: Spool) -> None:
     """A store that could not keep a recording now does not make it refused."""
-    busy = [StoreError("database is locked")] * 3
+    busy = [UnavailableError("database is locked")] * 3
     assert states(list(upload(spool, Stub(*busy), back_off=QUICK))) == ["waiting", "sent"]
     assert len(spool.waiting()) == 1
+
+
+def test_what_a_store_refuses_for_good_is_set_aside(spool: Spool) -> None:
+    """A store says no once and for all as a server does: it is not asked again, and the reason is kept."""
+    name = spool.waiting()[0]
+    stub = Stub(StoreError("entries[0].unit: unit 'g' is mass; expected length"))
+    assert states(list(upload(spool, stub, back_off=QUICK))) == ["refused", "sent"]
+    assert spool.refused() == {name: "entries[0].unit: unit 'g' is mass; expected length"}
+    assert stub.calls == 2
+
+
+def test_a_damaged_store_refuses_nothing(spool: Spool) -> None:
+    """What is wrong with the store's own file is not the recording's fault: it waits on."""
+    assert states(list(upload(spool, Stub(DamagedError("malformed")), back_off=QUICK))) == ["waiting", "sent"]
+    assert spool.refused() == {}
 
 
 def test_a_receipt_for_another_recording_is_none(spool: Spool) -> None:
@@ -183,3 +198,40 @@ def test_the_background_tells_of_a_wrong_token(spool: Spool) -> None:
         wait_for(lambda: uploader.error is not None)
     assert stub.calls == 1
     assert len(spool.waiting()) == 2
+
+
+@pytest.mark.parametrize("error", [RuntimeError("a bug"), PermissionError("not yours"), UnavailableError("locked")])
+def test_one_recording_that_fails_keeps_no_other_from_going(spool: Spool, error: Exception) -> None:
+    """Whatever one recording raises, the others are sent, what is wrong is told, and it is tried again later."""
+    first = spool.waiting()[0]
+    failing = True
+
+    class Picky(Stub):
+        def put(self, recording: Recording) -> Receipt:
+            if failing and recording.recorded_at == oldest.recorded_at:
+                raise error
+            return super().put(recording)
+
+    oldest, stub = spool.read(first), Picky()
+    with uploading(spool, stub, every_s=0.01, back_off=QUICK) as uploader:
+        wait_for(lambda: spool.waiting() == [first] and uploader.error is not None)
+        assert str(error) in str(uploader.error)
+        spool.add(squeeze(action="weighing"))
+        wait_for(lambda: spool.waiting() == [first])
+        failing = False
+        wait_for(lambda: not spool.waiting() and uploader.error is None)
+    assert len(stub.kept) == 3
+
+
+def test_a_spool_that_cannot_be_listed_does_not_end_the_thread(spool: Spool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The thread goes on after any error of a whole pass."""
+    listed, broken = spool.waiting, [ValueError("a bug"), OSError("unplugged")]
+
+    def waiting() -> list[str]:
+        if broken:
+            raise broken.pop(0)
+        return listed()
+
+    monkeypatch.setattr(spool, "waiting", waiting)
+    with uploading(spool, Stub(), every_s=0.01, back_off=QUICK):
+        wait_for(lambda: not broken and not listed())

@@ -1,6 +1,7 @@
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -239,3 +240,52 @@ def test_notices_stand_in_each_recording(store: Store, spool: Spool) -> None:
     acting = RecordedRobot(inner, NETWORK, store, thing=MUG, spool=spool, notices=["drawn, not measured"])
     acting.perform("weighing")
     assert recorded(store, acting).notices == ("drawn, not measured",)
+
+
+class Busy(Spool):
+    """A spool in which somebody else has each recording in hand, and does something with it at the third look."""
+
+    def __init__(self, folder: Path, then: Callable[[Spool, str], object]) -> None:
+        super().__init__(folder, sync=False)
+        self.then, self.looks = then, 0
+
+    @contextmanager
+    def claimed(self, name: str) -> Iterator[bool]:
+        self.looks += 1
+        if self.looks == 3:
+            with super().claimed(name):
+                self.then(self, name)
+        yield False
+
+
+def shared(folder: Path, store: Store, then: Callable[[Spool, str], object]) -> RecordedRobot:
+    inner = FunctionRobot({"weighing": lambda: Reading(118.0, unit="g")})
+    return RecordedRobot(inner, NETWORK, store, thing=MUG, spool=Busy(folder, then))
+
+
+def test_what_another_program_sends_is_waited_for(store: Store, tmp_path: Path) -> None:
+    """A recording that somebody else is sending counts once it has left the spool, and not before."""
+
+    def send_it(spool: Spool, name: str) -> None:
+        store.put(spool.read(name))
+        spool.remove(name)
+
+    acting = shared(tmp_path / "spool", store, send_it)
+    acting.perform("weighing")
+    assert recorded(store, acting).action == "weighing"
+    assert acting.troubles == []
+
+
+def test_what_another_program_could_not_send_is_told(
+    store: Store, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Refused there, or in hand for too long, a recording is not taken for one that is stored."""
+    acting = shared(tmp_path / "refused", store, lambda spool, name: spool.refuse(name, "no such owner"))
+    acting.perform("weighing")
+    assert acting.end_step() is None
+    assert "no such owner" in acting.troubles[0]
+    monkeypatch.setattr("palpate.robots.recorded.PATIENCE_S", 0.0)
+    acting = shared(tmp_path / "stuck", store, lambda spool, name: None)
+    acting.perform("weighing")
+    assert acting.end_step() is None
+    assert "somebody else" in acting.troubles[0]

@@ -23,7 +23,7 @@ def store(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.Mo
 
 @pytest.fixture
 def local(tmp_path: Path) -> Iterator[Store]:
-    """A new store in a file."""
-    opened = open_store(tmp_path / "store.sqlite", durable=False)
-    with Store(opened.engine, FolderBlobs(tmp_path / "blobs")) as found:
+    """A new store in a file, beside that of `store`."""
+    opened = open_store(tmp_path / "local.sqlite", durable=False)
+    with Store(opened.engine, FolderBlobs(tmp_path / "local.blobs")) as found:
         yield found

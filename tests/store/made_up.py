@@ -9,8 +9,8 @@ from hypothesis.extra import numpy as npst
 
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
 from palpate.store.episodes import StoredEpisode
+from palpate.store.quantities import QUANTITIES
 from palpate.store.records import Channel, Device, FileItem, Pose, Recording, Series, Setup, ThingRef
-from palpate.store.signals import QUANTITIES
 
 START = datetime(2024, 5, 1, 12, tzinfo=UTC)
 GRIPPER = Device("gripper", "two_finger", maker="somebody", parameters={"stroke_mm": 85})

@@ -6,16 +6,19 @@ import pyarrow
 import pytest
 from pyarrow import parquet
 
-from palpate.store.archive import export_archive
+from palpate.store.archive import Archive, export_archive
 from palpate.store.audit import history
 from palpate.store.content import file_digest
 from palpate.store.describing import add_thing, change_thing, fields_of, keep_image
 from palpate.store.entries import Distribution, Value
 from palpate.store.errors import UnavailableError
+from palpate.store.exporting.writing import export
+from palpate.store.filters import Filter
 from palpate.store.importing.intake import import_paths
 from palpate.store.importing.items import Fate, Outcome
 from palpate.store.importing.own_formats import Archives
 from palpate.store.keeping_episodes import get_episode, put_episode
+from palpate.store.listing_episodes import list_episodes
 from palpate.store.merging import merge_things
 from palpate.store.opening import open_store
 from palpate.store.records import ThingRef
@@ -42,7 +45,7 @@ def archive(store: Store, tmp_path: Path) -> Path:
     store.put_many(RECORDINGS)
     image = keep_image(store, "front.png", "image/png", b"a picture")
     wood = Distribution("material", {"wood": 0.9, "metal": 0.1})
-    change_thing(store, MUG, lambda thing: thing.knowing(Value("mass", 118.0, 1.0, "g"), "scale").showing(image))
+    change_thing(store, MUG, lambda thing: thing.knowing(Value("weight", 118.0, 1.0, "g"), "scale").showing(image))
     change_thing(store, MUG, lambda thing: thing.knowing(wood, "ann").described(attributes={"colour": "red"}))
     add_thing(store, BOX)
     merge_things(store, CUP, MUG)
@@ -68,11 +71,69 @@ def test_objects_and_episodes_survive_an_archive(store: Store, archive: Path, tm
         assert list(verify(other)) == []
 
 
+def test_an_archive_is_of_one_moment(store: Store, tmp_path: Path) -> None:
+    """An episode that grows while the archive is written names no recording that the archive lacks."""
+    new, episode = squeeze(5, thing=MUG), made_episode(RECORDINGS[0], thing=MUG)
+    store.put_many(RECORDINGS)
+    put_episode(store, episode)
+
+    def grow(done: int, of: int) -> None:
+        store.put(new)
+        put_episode(store, episode.continued({"step": 2, "action": "squeezing"}, new.digest))
+        put_episode(store, made_episode(new, number=5))
+        add_thing(store, BOX)
+
+    assert export_archive(store, tmp_path / "archive", told=grow) == 2
+    with open_store(tmp_path / "other.sqlite", durable=False) as other:
+        assert {outcome.fate for outcome in taken(other, tmp_path / "archive")} == {Fate.NEW}
+        assert get_episode(other, episode.id).digest == episode.digest
+        assert [thing.path for thing in list_things(other)] == ["made_up/cup", "made_up/mug"]
+
+
+def test_a_selection_has_its_objects_and_its_whole_episodes(store: Store, archive: Path, tmp_path: Path) -> None:
+    """An archive of some recordings describes their objects, and holds the episodes of which it has all recordings."""
+    part = tmp_path / "part"
+    written = export(store, Archive(), part, Filter(action="squeezing", until=RECORDINGS[1].recorded_at))
+    assert written.recordings == 1
+    assert written.notices == (
+        "2 objects left out (about which nothing is in the archive)",
+        "3 episodes left out (without recordings, with some that are not in the archive, or of another visibility)",
+    )
+    with open_store(tmp_path / "other.sqlite", durable=False) as other:
+        assert {outcome.fate for outcome in taken(other, part)} == {Fate.NEW}
+        assert find_thing(other, "mug").known == find_thing(store, "mug").known
+        assert other.blobs.get(find_thing(other, "mug").images[0].sha256) == b"a picture"
+        assert [row.digest for row in list_episodes(other).rows] == [
+            made_episode(RECORDINGS[0], number=1, stop="enough").digest
+        ]
+        assert list(verify(other)) == []
+
+
+def test_a_selection_has_what_its_objects_count_as(store: Store, archive: Path, tmp_path: Path) -> None:
+    """The object that a merged one counts as comes with it, although none of its recordings does."""
+    assert export_archive(store, tmp_path / "part", Filter(since=RECORDINGS[1].recorded_at)) == 1
+    with open_store(tmp_path / "other.sqlite", durable=False) as other:
+        assert {outcome.fate for outcome in taken(other, tmp_path / "part")} == {Fate.NEW}
+        assert find_thing(other, "cup").merged_into == find_thing(other, "mug").ref
+
+
+def test_a_selection_by_visibility_has_episodes_of_it(store: Store, tmp_path: Path) -> None:
+    """A private episode of public recordings is in no archive of what is public."""
+    made = squeeze(1, visibility="public")
+    store.put(made)
+    for number, visibility in enumerate(("private", "public")):
+        put_episode(store, made_episode(made, number=number, visibility=visibility))
+    export_archive(store, tmp_path / "archive", Filter(visibility="public"))
+    with open_store(tmp_path / "other.sqlite", durable=False) as other:
+        taken(other, tmp_path / "archive")
+        assert [row.visibility for row in list_episodes(other).rows] == ["public"]
+
+
 def test_what_a_store_says_already_stays(store: Store, archive: Path, tmp_path: Path) -> None:
     """An archive completes an object, and neither changes nor removes what is there; the audit says so."""
     with open_store(tmp_path / "other.sqlite", durable=False) as other:
         other.put(squeeze(9, thing=MUG))
-        heavier = Value("mass", 120.0, unit="g")
+        heavier = Value("weight", 120.0, unit="g")
         change_thing(other, MUG, lambda thing: thing.described(attributes={"colour": "blue", "age": 3}))
         change_thing(other, MUG, lambda thing: thing.knowing(heavier, "scale"))
         taken(other, archive)
@@ -86,7 +147,7 @@ def test_what_a_store_says_already_stays(store: Store, archive: Path, tmp_path: 
 def test_what_does_not_fit_is_told(store: Store, archive: Path, tmp_path: Path) -> None:
     """A merge into another object than here, and a unit of another dimension, are told and not taken over."""
     with open_store(tmp_path / "other.sqlite", durable=False) as other:
-        other.put(squeeze(9, thing=BOX, entries=(Value("mass", 1.0, unit="N"),)))
+        other.put(squeeze(9, thing=BOX, entries=(Value("weight", 1.0, unit="N"),)))
         add_thing(other, CUP)
         merge_things(other, CUP, BOX)
         refused = [outcome for outcome in taken(other, archive) if outcome.fate is Fate.REFUSED]

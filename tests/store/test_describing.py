@@ -46,7 +46,7 @@ def test_changes_are_undone_last_first(filled: Store) -> None:
     change_thing(filled, MUG, lambda thing: thing.described(common_name="coffee mug"))
     merge_things(filled, MUG, ThingRef("made_up", "box"))
     change_thing(filled, MUG, lambda thing: thing.knowing(Value("mass", 118.0, unit="g"), "scale"))
-    assert [undo(filled, MUG, who="bob") for _ in range(3)] == ["changed", "merged", "changed"]
+    assert [undo(filled, MUG, who="bob").what for _ in range(3)] == ["changed", "merged", "changed"]
     assert find_thing(filled, "mug") == before
     assert {change.undone_by for change in history(filled, MUG)} == {"bob"}
     with pytest.raises(StoreError, match="made_up mug has no change to take back"):
@@ -147,3 +147,39 @@ def test_splitting_notes_who_did_it(filled: Store) -> None:
     split_thing(filled, MUG, who="bob")
     (change,) = history(filled)
     assert (change.who, change.what, change.undone_by) == ("ann", "merged", "bob")
+
+
+SAID: list[tuple[dict[str, Any], tuple[str, ...]]] = [
+    ({"maker": "Acme"}, ("maker",)),
+    ({"common_name": "beaker"}, ("common_name",)),
+    ({"aliases": ("the red one",)}, ("aliases", "the red one")),
+    ({"attributes": {"colour": "red"}}, ("attributes", "colour")),
+]
+
+
+@pytest.mark.parametrize(("said", "field"), SAID)
+def test_what_was_taken_back_does_not_come_again(store: Store, said: dict[str, Any], field: tuple[str, ...]) -> None:
+    """A recording completes a description, but not by what a person has taken away, in this process or another."""
+    plain, told = ThingRef("made_up", "mug"), ThingRef("made_up", "mug", **said)
+    store.put(squeeze(0, thing=plain))
+    change_thing(store, plain, lambda thing: thing.described(**said))
+    undo(store, plain)
+    other = Store(store.engine, store.blobs)
+    for number, place in enumerate((store, other, Store(store.engine, store.blobs)), 1):
+        place.put(squeeze(number, thing=told))
+        assert field not in fields_of(find_thing(store, "made_up/mug"))
+
+
+@pytest.mark.parametrize(("said", "field"), SAID)
+def test_what_a_person_removed_does_not_come_again(store: Store, said: dict[str, Any], field: tuple[str, ...]) -> None:
+    """Neither where a recording had said it first, and a person then removed it; told again it is there."""
+    plain, told = ThingRef("made_up", "mug"), ThingRef("made_up", "mug", **said)
+    store.put(squeeze(0, thing=told))
+    emptied: dict[str, Any] = {"maker": None, "common_name": None, "aliases": (), "attributes": {}}
+    change_thing(store, plain, lambda thing: thing.described(**emptied))
+    other = Store(store.engine, store.blobs)
+    other.put(squeeze(1, thing=told))
+    assert field not in fields_of(find_thing(store, "made_up/mug"))
+    other.put(squeeze(2, thing=ThingRef("made_up", "mug", maker="Brown")))
+    change_thing(store, plain, lambda thing: thing.described(**said))
+    assert field in fields_of(find_thing(store, "made_up/mug"))

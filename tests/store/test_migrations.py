@@ -16,16 +16,24 @@ from sqlalchemy import Engine, inspect
 
 from palpate.cli import main
 from palpate.store import database, schema
+from palpate.store.audit import history
 from palpate.store.blobs import FolderBlobs
 from palpate.store.database import LATEST, MIGRATIONS, connect, migrate, revision, up_to_date
+from palpate.store.describing import change_thing
 from palpate.store.errors import StoreError
+from palpate.store.keeping_episodes import put_episode
 from palpate.store.listing import list_recordings
+from palpate.store.listing_episodes import list_episodes
 from palpate.store.opening import open_store
+from palpate.store.rows import microseconds
 from palpate.store.store import Store
+from palpate.store.things import list_things
+from palpate.store.undoing import undo
 from palpate.store.verifying import verify
-from tests.store.made_up import squeeze
+from tests.store.made_up import made_episode, squeeze
 from tests.store.places import check_services, emptied
 from tests.store.versions.filled import Filled, filled, rows_of, versions
+from tests.store.versions.make import insert
 
 REVISIONS = [
     script.revision
@@ -167,6 +175,44 @@ def test_a_filled_store_goes_down_and_up(place: str, engine: Engine, tmp_path: P
     with open_store(place, tmp_path / "blobs") as store:
         assert digests(store) == {}
         assert store.put(squeeze()).new
+
+
+@pytest.mark.parametrize("version", versions())
+def test_nothing_is_lost_below_the_newest_version(place: str, engine: Engine, tmp_path: Path, version: str) -> None:
+    """Taken down to the first version and up again, a store says the same of its objects and episodes as before."""
+    fill(engine, tmp_path / "blobs", version)
+    with open_store(place, tmp_path / "blobs") as store:
+        thing, recording = next(one.ref for one in list_things(store) if one.recordings), squeeze(999)
+        change_thing(store, thing, lambda found: found.described(maker="somebody"), who="ann")
+        undo(store, thing, who="bob")
+        store.put(recording)
+        for number, visibility in enumerate(("private", "lab", "public"), 50):
+            put_episode(store, made_episode(recording, number=number, owner="ann", stop="done", visibility=visibility))
+        before = list_things(store), list_episodes(store).rows, history(store)
+        with engine.connect() as connection:
+            rows = rows_of(connection, "audit", ["*"])
+    migrate(engine, REVISIONS[0])
+    with engine.connect() as connection:
+        assert revision(connection) == REVISIONS[0]
+    with open_store(place, tmp_path / "blobs") as store:
+        assert (list_things(store), list_episodes(store).rows, history(store)) == before
+        assert list(verify(store)) == []
+        with engine.connect() as connection:
+            assert sorted(map(repr, rows_of(connection, "audit", ["*"]))) == sorted(map(repr, rows))
+
+
+def test_episodes_are_filled_from_their_documents(place: str, engine: Engine, tmp_path: Path) -> None:
+    """What an episode of the first version says of its owner, its actions and its end stands in the new columns."""
+    fill(engine, tmp_path / "blobs", REVISIONS[0])
+    whole = made_episode(squeeze(0), squeeze(1), number=60, owner="ann", stop="enough")
+    with engine.begin() as connection:
+        row = {"digest": bytes.fromhex(whole.digest), "started_us": microseconds(whole.started_at)}
+        insert(connection, "episodes", id=60, uuid=whole.id.bytes, thing_id=1, document=whole.document, **row)
+        for position, step in enumerate(whole.steps):
+            insert(connection, "episode_steps", episode_id=60, position=position, document=step.document)
+    with open_store(place, tmp_path / "blobs") as store:
+        (listed,) = (one for one in list_episodes(store).rows if one.id == whole.id)
+        assert (listed.owner, listed.actions, listed.stop, listed.visibility) == ("ann", 2, "enough", "private")
 
 
 @pytest.mark.parametrize("version", REVISIONS)

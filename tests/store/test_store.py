@@ -88,6 +88,27 @@ def test_an_id_belongs_to_one_recording(store: Store) -> None:
     assert count(store) == 1
 
 
+def test_two_recordings_of_a_batch_do_not_hide_whose_an_id_is(store: Store) -> None:
+    """One whose id belongs to what another of the batch repeats is refused by its id; nothing is kept."""
+    key = uuid4()
+    store.put(squeeze(1, id=key))
+    with pytest.raises(StoreError, match=f"id: {key} is that of another recording") as refused:
+        store.put_many([squeeze(1), squeeze(2, id=key), squeeze(3)])
+    assert not isinstance(refused.value, UnavailableError)
+    assert count(store) == 1
+
+
+def test_a_known_recording_needs_no_id(store: Store) -> None:
+    """What is there is found by its content, whatever id it comes with, another recording's too."""
+    first, second = store.put(squeeze(1)), store.put(squeeze(2))
+    again = store.put(squeeze(2, id=first.id))
+    assert (again.id, again.new) == (second.id, False)
+    assert [one.id for one in store.put_many([squeeze(1, id=first.id), squeeze(2, id=first.id)])] == [
+        first.id,
+        second.id,
+    ]
+
+
 def test_a_refused_recording_leaves_nothing(store: Store) -> None:
     """Of a batch with one that is refused, nothing is in the store."""
     with pytest.raises(StoreError, match=r"entries\[0\].value: found nan"):
@@ -104,10 +125,17 @@ def test_a_refused_recording_leaves_nothing(store: Store) -> None:
 
 def test_a_property_keeps_its_dimension(store: Store) -> None:
     """The first unit of a property decides its dimension, for recordings that come later too."""
-    store.put(squeeze(1))
-    store.put(squeeze(2, entries=(Value("elasticity", 1.0, unit="MPa"),)))
+    store.put(squeeze(1, entries=(Value("fluff", 1.0, unit="kPa"),)))
+    store.put(squeeze(2, entries=(Value("fluff", 1.0, unit="MPa"),)))
     with pytest.raises(StoreError, match=r"entries\[0\].unit: unit 'g' is mass"):
-        store.put(squeeze(3, entries=(Value("elasticity", 1.0, unit="g"),)))
+        store.put(squeeze(3, entries=(Value("fluff", 1.0, unit="g"),)))
+
+
+def test_the_first_unit_of_a_known_property_decides_nothing(store: Store) -> None:
+    """In a fresh store too, what everybody knows is refused in a wrong unit, and taken in a right one."""
+    with pytest.raises(StoreError, match=r"entries\[0\].unit: unit 'g' is mass; expected .*, as 'Pa'"):
+        store.put(squeeze(1, entries=(Value("elasticity", 1.0, unit="g"),)))
+    assert store.put(squeeze(2, entries=(Value("elasticity", 1.0, unit="kPa"),))).new
 
 
 def test_large_arrays_logs_and_files_go_to_the_blobs(store: Store, tmp_path: Path) -> None:

@@ -1,15 +1,19 @@
+from uuid import uuid4
+
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from palpate.store.describing import add_thing, change_thing, keep_image
 from palpate.store.entries import Distribution, Value
 from palpate.store.errors import StoreError
-from palpate.store.filters import Filter
+from palpate.store.filters import Filter, called
 from palpate.store.listing import list_recordings
 from palpate.store.merging import merge_things
 from palpate.store.records import ThingRef
 from palpate.store.store import Store
-from palpate.store.things import find_thing, list_things
-from tests.store.made_up import squeeze
+from palpate.store.things import find_thing, is_thing, list_things, things_where
+from tests.store.made_up import names, squeeze
 
 MUG = ThingRef("ycb", "025_mug", maker="somebody", common_name="mug", attributes={"colour": "red"}, aliases=("cup",))
 
@@ -20,6 +24,29 @@ def test_objects_are_found_by_each_of_their_names(store: Store) -> None:
     for name in ("025_mug", "mug", "cup", "ycb/025_mug"):
         assert find_thing(store, name).ref == MUG
     assert [(thing.path, thing.recordings) for thing in list_things(store)] == [("other/box", 1), ("ycb/025_mug", 1)]
+
+
+@pytest.mark.parametrize("alias", ["cup", 'a "cup"', "a,b", "50%", "c_p", "\\", "Häferl", "[]", "null", "1"])
+def test_aliases_are_matched_exactly(store: Store, alias: str) -> None:
+    """An alias is found as it is written, and neither in another case nor as a part or a pattern of another one."""
+    add_thing(store, ThingRef("lab", "one", aliases=("another", alias)))
+    assert find_thing(store, alias).path == "lab/one"
+    for name in (alias.upper(), alias[:-1], f"{alias}x", "another,cup", 'cup","another', "%", "_", "anothe_", "c%p"):
+        if name != alias:
+            with pytest.raises(StoreError, match="is not in the store"):
+                find_thing(store, name)
+
+
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(aliases=st.lists(names, max_size=3), name=names)
+def test_any_alias_is_matched_exactly(store: Store, aliases: list[str], name: str) -> None:
+    """Whatever names there are, an object is found by those that are its own alone."""
+    ref = ThingRef("any", uuid4().hex, aliases=tuple(aliases))
+    add_thing(store, ref)
+    for asked in (*aliases, name):
+        with store.engine.connect() as connection:
+            found = [thing.path for thing in things_where(connection, called(asked) & is_thing(ref))]
+        assert found == ([f"any/{ref.id}"] if asked in aliases else [])
 
 
 def test_a_name_of_none_or_of_several_is_refused(store: Store) -> None:

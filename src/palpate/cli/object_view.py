@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from palpate.store.records import Setup
     from palpate.store.things import Thing
 
-__all__ = ["thing_json", "thing_view", "things_json", "things_table"]
+__all__ = ["change_lines", "thing_json", "thing_view", "things_json", "things_table"]
 
 
 def things_table(things: Sequence[Thing]) -> Table:
@@ -90,19 +90,21 @@ def _changes_table(changes: Sequence[Change]) -> Table:
     table = _table("when (UTC)", "who", "what", "")
     for one in changes:
         undone = "" if one.undone_at is None else f"taken back by {one.undone_by or 'somebody'}"
-        what = "\n".join((one.what, *_change_lines(one.detail)))
+        what = "\n".join((one.what, *change_lines(one.detail)))
         table.add_row(f"{one.at:%Y-%m-%d %H:%M:%S}", one.who or "", what, undone)
     return table
 
 
-def _change_lines(detail: Any) -> Iterator[str]:
-    """What was there before and after, part by part."""
+def change_lines(detail: Any) -> Iterator[str]:
+    """What was there before and after, part by part; or what an object was merged into."""
     if isinstance(detail, list):
         for part in detail:
             before, after = (_words(part[side]) if side in part else "nothing" for side in ("before", "after"))
             yield f"{'.'.join(part['field'])}: {before} -> {after}"
+    elif "into" in detail:
+        yield f"into {'/'.join(detail['into'])}"
     elif detail:
-        yield json.dumps({key: value for key, value in detail.items() if key != "with"})
+        yield json.dumps(detail)
 
 
 def _words(value: Any) -> str:

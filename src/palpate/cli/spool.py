@@ -11,6 +11,7 @@ import typer
 
 if TYPE_CHECKING:
     from palpate.client import Receiver
+    from palpate.recording.spool import Spool
 
 __all__ = ["app"]
 
@@ -30,18 +31,16 @@ def spool() -> None:
 def list_(spool: Folder = None) -> None:
     """List the recordings that wait, those that a store refused, and those that are not whole."""
     from palpate.cli.spool_view import print_spool
-    from palpate.recording.spool import Spool
 
-    print_spool(Spool(spool))
+    print_spool(_found(spool))
 
 
 @app.command("recover")
 def recover(spool: Folder = None) -> None:
     """Make what killed programs left behind recordings that wait, marked as failed."""
     from palpate.cli.spool_view import print_recovered
-    from palpate.recording.spool import Spool
 
-    print_recovered(Spool(spool).recover())
+    print_recovered(_found(spool).recover())
 
 
 @app.command("upload")
@@ -58,17 +57,30 @@ def upload(
     refused: Annotated[bool, typer.Option("--refused", help="Send those again that were refused.")] = False,
     attempts: Annotated[int, typer.Option(min=1, help="How often to try before giving up.")] = 5,
 ) -> None:
-    """Send the recordings that wait; each leaves the spool when the receiver has acknowledged it."""
+    """Send the recordings that wait; each leaves the spool when the receiver has acknowledged it.
+
+    The exit code is 1 where recordings still wait or were refused.
+    """
     from palpate.cli.spool_view import print_sent
-    from palpate.recording.spool import Spool
     from palpate.recording.uploading import BackOff
     from palpate.recording.uploading import upload as send
 
-    found = Spool(spool)
+    found = _found(spool)
     for name in found.refused() if refused else ():
         found.requeue(name)
     with _receiver(to) as receiver:
-        print_sent(found, send(found, receiver, back_off=BackOff(attempts=attempts)))
+        is_empty = print_sent(found, send(found, receiver, back_off=BackOff(attempts=attempts)))
+    raise typer.Exit(0 if is_empty else 1)
+
+
+def _found(folder: Path | None) -> Spool:
+    """The spool; one that was named must be there, and one's own is empty until something is recorded."""
+    from palpate.errors import PalpateError
+    from palpate.recording.spool import FOLDERS, Spool
+
+    if folder is not None and not any((folder / name).is_dir() for name in FOLDERS):
+        raise PalpateError(f"--spool: there is no spool at {folder}, expected a folder with recordings in 'waiting'")
+    return Spool(folder)
 
 
 @contextmanager

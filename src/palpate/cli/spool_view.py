@@ -40,12 +40,21 @@ def print_recovered(recovered: Iterable[tuple[str, Recording | StoreError]]) -> 
     out.print(f"{count} recovered", soft_wrap=True)
 
 
-def print_sent(spool: Spool, sent: Iterable[Sent]) -> None:
-    """Print what became of each recording, as it happens."""
+def print_sent(spool: Spool, sent: Iterable[Sent]) -> bool:
+    """Print what became of each recording, as it happens, and what to do about the rest; True where there is none."""
     out = console()
     for one in sent:
         out.print(f"{one.state:8} {one.name}  {one.reason}".rstrip(), soft_wrap=True)
-    out.print(f"{len(spool.waiting())} waiting, {len(spool.refused())} refused", soft_wrap=True)
+    waiting, refused = spool.waiting(), spool.refused()
+    out.print(f"{len(waiting)} waiting, {len(refused)} refused", soft_wrap=True)
+    if waiting:
+        out.print(
+            "What waits is still in the spool: palpate spool upload again, once the reason is gone.", soft_wrap=True
+        )
+    if refused:
+        told = "see why with palpate spool list, and when that is mended: palpate spool upload --refused"
+        out.print(f"What was refused is kept: {told}.", soft_wrap=True)
+    return not (waiting or refused)
 
 
 def _in_short(spool: Spool, name: str) -> str:

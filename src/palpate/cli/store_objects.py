@@ -131,13 +131,17 @@ def set_(
     print(f"{thing.path}: {'changed' if changed != thing else 'nothing to change'}")
 
 
-@app.command("know")
+# a number below zero is no option
+@app.command("know", context_settings={"ignore_unknown_options": True})
 @spread
 def know(
     name: Name,
     property_: Annotated[str, typer.Argument(metavar="PROPERTY", help="What is known.")],
     value: Annotated[
-        str, typer.Argument(metavar="VALUE", help="'118 g', 'above 95 kPa', '90 to 100 kPa', a label, or LABEL=P,...")
+        str,
+        typer.Argument(
+            metavar="VALUE", help="'118 g', '118 ± 2 g', 'above 95 kPa', '90 to 100 kPa', a label, or LABEL=P,..."
+        ),
     ],
     source: Annotated[str, typer.Option("--source", help="From where: a data sheet, a scale, a person.")],
     place: Place,
@@ -145,7 +149,8 @@ def know(
     who: Who = None,
 ) -> None:
     """Tell what is known of a property, in place of what that source said before."""
-    from palpate.cli.knowing import entry_of, who_of
+    from palpate.cli.knowing import who_of
+    from palpate.cli.known_values import check_fits, entry_of
     from palpate.cli.store_view import entry_words
     from palpate.store.describing import change_thing
     from palpate.store.things import find_thing
@@ -153,8 +158,12 @@ def know(
     entry = entry_of(property_, value, sd)
     with place.opened() as store:
         thing = find_thing(store, name)
+        check_fits(store, entry, value.strip())
         change_thing(store, thing.ref, lambda found: found.knowing(entry, source), who=who_of(who))
     print(f"{thing.path}: {entry_words(entry)} ({source})")
+    for one in thing.known:
+        if (one.entry.property, one.source) == (property_, source) and one.entry != entry:
+            print(f"- in place of {entry_words(one.entry)}")
 
 
 @app.command("forget")
@@ -222,10 +231,14 @@ def split(name: Name, place: Place, who: Who = None) -> None:
 def undo(name: Name, place: Place, who: Who = None) -> None:
     """Take back the last change of an object that holds; again, the one before."""
     from palpate.cli.knowing import who_of
+    from palpate.cli.object_view import change_lines
     from palpate.store.things import find_thing
     from palpate.store.undoing import undo as take_back
 
     with place.opened() as store:
         thing = find_thing(store, name)
-        what = take_back(store, thing.ref, who=who_of(who))
-    print(f"{thing.path}: the last change ({what}) is taken back")
+        change = take_back(store, thing.ref, who=who_of(who))
+    by = "" if change.who is None else f" by {change.who}"
+    print(f"{thing.path}: taken back what was {change.what}{by} at {change.at:%Y-%m-%d %H:%M:%S} UTC")
+    for line in change_lines(change.detail):
+        print(f"- {line}")

@@ -10,11 +10,11 @@ from palpate.explore import Step
 from palpate.inference.belief import Belief
 from palpate.logfile import Line
 from palpate.network.model import Network
-from palpate.network.units import UnitError, factor
 from palpate.robots.recorded import RecordedRobot
+from palpate.store.checks import check_unit
 from palpate.store.episodes import StoredEpisode
-from palpate.store.errors import StoreError
 from palpate.store.keeping_episodes import get_episode, put_episode
+from palpate.store.quantities import check_quantity
 from palpate.store.store import Store
 from palpate.store.units import units_of
 
@@ -93,9 +93,8 @@ def check_units(store: Store, network: Network) -> None:
     known = units_of(store)
     for prop in network.properties.values():
         unit = getattr(prop, "unit", None)
-        if unit is None or prop.name not in known:
+        if unit is None:
             continue
-        try:
-            factor(unit, known[prop.name])
-        except UnitError as error:
-            raise StoreError(f"property {prop.name!r} of the network {network.name!r}: {error}") from None
+        where = f"property {prop.name!r} of the network {network.name!r}"
+        check_unit(where, unit, known.get(prop.name))
+        check_quantity(where, unit, prop.name)

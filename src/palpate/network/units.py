@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -17,7 +17,7 @@ from tokenize import TokenError
 from palpate.errors import PalpateError
 from palpate.network.formula import Formula
 
-__all__ = ["Unit", "UnitError", "ask_pint", "factor", "in_units", "unit_of"]
+__all__ = ["Unit", "UnitError", "ask_pint", "dimension_fault", "factor", "in_units", "unit_of"]
 
 SHIPPED = Path(__file__).parents[1] / "data" / "units.json"
 Dimension = Mapping[str, float]
@@ -92,11 +92,31 @@ def factor(unit_from: str, unit_to: str) -> float:
     if unit_from == unit_to:
         return 1.0
     source, target = unit_of(unit_from), unit_of(unit_to)
-    if source.dimension != target.dimension:
-        raise UnitError(
-            f"unit {unit_from!r} is {_words(source.dimension)}; expected {_words(target.dimension)}, as {unit_to!r}"
-        )
+    fault = dimension_fault(unit_from, (unit_to,))
+    if fault is not None:
+        raise UnitError(fault)
     return float(f"{source.factor / target.factor:.15g}")
+
+
+def dimension_fault(unit: str, units: Sequence[str]) -> str | None:
+    """What is wrong with a unit that shall have the dimension of one of others; None where it has.
+
+    Raises
+    ------
+    UnitError
+        If a unit is unknown.
+
+    Examples
+    --------
+    >>> dimension_fault("g", ("kg", "N")), dimension_fault("mm", ("kg", "N"))
+    (None, "unit 'mm' is length; expected mass, as 'kg', or length mass time^-2, as 'N'")
+    """
+    found = unit_of(unit).dimension
+    wanted = {one: unit_of(one).dimension for one in units}
+    if found in wanted.values():
+        return None
+    expected = ", or ".join(f"{_words(dimension)}, as {one!r}" for one, dimension in wanted.items())
+    return f"unit {unit!r} is {_words(found)}; expected {expected}"
 
 
 def in_units(formula: Formula, units: Mapping[str, str], unit: str) -> Formula:

@@ -7,9 +7,10 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from palpate.client import NotAllowedError, Receiver, ReceiverError, UnreachableError
+from palpate.client import NotAllowedError, Receiver, UnreachableError
 from palpate.recording.spool import Spool
-from palpate.recording.uploading import BackOff, upload
+from palpate.recording.uploading import BackOff, attempt
+from palpate.store.errors import UnavailableError
 
 __all__ = ["Uploader", "uploading"]
 
@@ -22,13 +23,13 @@ class Uploader:
     Attributes
     ----------
     error
-        Why it sends nothing at present; None where nothing is wrong.
+        Why something is not sent at present; None where nothing is wrong.
     """
 
     def __init__(
         self, spool: Spool, receiver: Receiver, *, every_s: float = 5.0, back_off: BackOff | None = None
     ) -> None:
-        self.error: ReceiverError | OSError | None = None
+        self.error: Exception | None = None
         self._spool = spool
         self._receiver = receiver
         self._every_s = every_s
@@ -49,27 +50,48 @@ class Uploader:
         failures = 0
         while not self._stopped.is_set():
             try:
-                self._pass()
+                self.error = self._pass()
             except NotAllowedError as error:
                 # nobody lets it in later who does not now
                 self.error = error
                 _log.error("nothing is sent: %s", error)
                 return
-            except (UnreachableError, OSError) as error:
-                failures += 1
+            except UnreachableError as error:
                 self.error = error
                 _log.warning("not sent yet: %s", error)
-            else:
-                failures, self.error = 0, None
+            except Exception as error:
+                # whatever it is: a thread that ended would send nothing any more, and nobody would see it
+                self.error = error
+                _log.exception("not sent yet")
+            failures = 0 if self.error is None else failures + 1
             self._stopped.wait(self._back_off.wait_s(failures) if failures else self._every_s)
 
-    def _pass(self) -> None:
+    def _pass(self) -> Exception | None:
+        """Try each recording once, and return the last error that was about one of them."""
+        last = None
         # the waits are between passes, where `stop` ends them
-        once = BackOff(attempts=1)
-        for sent in upload(self._spool, self._receiver, back_off=once):
-            _log.info("%s: %s %s", sent.name, sent.state, sent.reason)
+        for name in self._spool.waiting():
             if self._stopped.is_set():
-                return
+                break
+            error = self._try(name)
+            if error is not None:
+                last = self.error = error
+        return last
+
+    def _try(self, name: str) -> Exception | None:
+        try:
+            sent = attempt(self._spool, name, self._receiver)
+        except (NotAllowedError, UnreachableError):
+            # no other recording would fare better
+            raise
+        except Exception as error:
+            # whatever is wrong with one recording, the others must not wait for it
+            _log.exception("%s: not sent yet", name)
+            return error
+        if sent is None:
+            return None
+        _log.info("%s: %s %s", sent.name, sent.state, sent.reason)
+        return UnavailableError(f"{name}: {sent.reason}") if sent.state == "waiting" else None
 
 
 @contextmanager

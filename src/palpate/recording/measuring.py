@@ -8,7 +8,7 @@ import re
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import cache, cached_property
 from pathlib import Path
@@ -21,7 +21,7 @@ from palpate.recording.results import OUTCOME, entries_of, exact_outcome
 from palpate.recording.setups import read_setup
 from palpate.recording.spool import Spool, Unfinished
 from palpate.recording.watching import Finished, tell_finished
-from palpate.store.checks import check
+from palpate.store.checks import check, check_entry
 from palpate.store.entries import Entry, FailedEntry
 from palpate.store.errors import StoreError
 from palpate.store.importing.folder import FolderWriter
@@ -193,8 +193,9 @@ def _kept(recording: Recording, entries: tuple[Entry, ...], notices: tuple[str, 
     if not entries:
         return entries, notices
     try:
-        # series and files were checked when they came
-        check(replace(recording, series=(), files=(), entries=entries))
+        # all else was checked when it came
+        for place, entry in enumerate(entries):
+            check_entry(f"entries[{place}]", entry, {})
     except StoreError as error:
         _log.warning("the result of %s is kept as failed: %s", recording.action, error)
         return (FailedEntry(f"the result was refused: {error}"),), (*notices, f"the result was {entries!r}")

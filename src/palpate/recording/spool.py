@@ -19,18 +19,19 @@ from typing import Any
 
 from palpate.recording.errors import RecordingError
 from palpate.recording.lock import Lock, locked
-from palpate.store.durable import sync_folder
-from palpate.store.errors import StoreError
+from palpate.store.durable import sync_folder, sync_tree
+from palpate.store.errors import DamagedError, StoreError
 from palpate.store.importing.folder import FolderWriter, write_folder
-from palpate.store.importing.reading_folder import is_whole, read_folder, read_remainder
+from palpate.store.importing.reading_folder import is_whole, read_folder, read_remainder, stated_digest
 from palpate.store.records import Recording
 
-__all__ = ["KILLED", "Spool", "Unfinished", "default_folder"]
+__all__ = ["FOLDERS", "KILLED", "Spool", "Unfinished", "default_folder"]
 
 KILLED = "the recording was cut off before its end"
 """The reason that stands in what is recovered."""
 
 FOLDERS = ("open", "waiting", "refused", "drafts", "done", "locks")
+"""What a spool consists of; a copy may lack those that are empty."""
 REASON = "reason.txt"
 
 
@@ -119,12 +120,19 @@ class Spool:
             unfinished.lock.leave()
 
     def add(self, recording: Recording) -> str:
-        """Put a whole recording among those that wait, and return its name there."""
+        """Put a whole recording among those that wait, and return its name there; the same again is the same one.
+
+        Raises
+        ------
+        RecordingError
+            If it is being written, or its id is that of another recording here.
+        """
         name = _name(recording)
         with locked(self._lock(name)) as taken:
             if not taken:
                 raise RecordingError(f"{self.folder}: {name} is being written already, expected an id of its own")
-            self._write(name, recording)
+            if not self._has(name, recording):
+                self._write(name, recording)
         return name
 
     def waiting(self) -> list[str]:
@@ -177,7 +185,11 @@ class Spool:
     def claimed(self, name: str) -> Iterator[bool]:
         """Keep others from sending a recording that waits; what it gives tells whether it is there and was free."""
         with locked(self._lock(name)) as taken:
-            yield taken and self._path("waiting", name).is_dir()
+            yield taken and self.waits(name)
+
+    def waits(self, name: str) -> bool:
+        """Whether a recording waits."""
+        return self._path("waiting", name).is_dir()
 
     def remove(self, name: str) -> None:
         """Remove a recording that a store has acknowledged; it must be claimed."""
@@ -193,7 +205,7 @@ class Spool:
         self._move(name, "refused", "waiting")
 
     def _recover(self, name: str, folder: Path) -> Recording | None:
-        if is_whole(folder):
+        if is_whole(folder) and self._is_readable(folder):
             self._move(name, "open", "waiting")
             return self.read(name)
         if not any(path.stat().st_size for path in folder.iterdir()):
@@ -205,6 +217,29 @@ class Spool:
             self._write(name, read_remainder(folder, KILLED))
         self._discard(name, "open")
         return self.read(name)
+
+    def _is_readable(self, folder: Path) -> bool:
+        """Whether all that a whole journal names is there, and on the disk; after a power cut it may not be."""
+        try:
+            read_folder(folder)
+        except DamagedError:
+            return False
+        if self.sync:
+            sync_tree(folder)
+        return True
+
+    def _has(self, name: str, recording: Recording) -> bool:
+        """Whether a recording waits here; it does so again where it was refused."""
+        for state in ("waiting", "refused"):
+            folder = self._path(state, name)
+            if not folder.is_dir():
+                continue
+            if stated_digest(folder) != recording.digest:
+                raise RecordingError(f"{folder.parent}: {name} is another recording, expected an id of its own")
+            if state == "refused":
+                self.requeue(name)
+            return True
+        return False
 
     def _write(self, name: str, recording: Recording) -> None:
         draft = self._cleared("drafts", name)

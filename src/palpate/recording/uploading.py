@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from palpate.client import Receiver, ReceiverError, RefusedError, UnreachableError
 from palpate.recording.spool import Spool
 from palpate.store.checks import check
-from palpate.store.errors import StoreError
+from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.records import Receipt, Recording
 
-__all__ = ["BackOff", "Sent", "send", "upload"]
+__all__ = ["BackOff", "Sent", "attempt", "send", "upload"]
 
 _log = logging.getLogger("palpate.recording")
 
@@ -90,10 +90,15 @@ def send(spool: Spool, name: str, receiver: Receiver) -> Sent | None:
     It is tried once. What went wrong is in the answer, and the recording waits on.
     """
     try:
-        with spool.claimed(name) as is_mine:
-            return _send(spool, name, _Trying(receiver, BackOff(attempts=1), time.sleep)) if is_mine else None
+        return attempt(spool, name, receiver)
     except (ReceiverError, OSError) as error:
         return Sent(name, "waiting", str(error))
+
+
+def attempt(spool: Spool, name: str, receiver: Receiver) -> Sent | None:
+    """As `send`, but a receiver that does not answer, a wrong token and a disk that fails are errors."""
+    with spool.claimed(name) as is_mine:
+        return _send(spool, name, _Trying(receiver, BackOff(attempts=1), time.sleep)) if is_mine else None
 
 
 def _send(spool: Spool, name: str, trying: _Trying) -> Sent:
@@ -105,11 +110,12 @@ def _send(spool: Spool, name: str, trying: _Trying) -> Sent:
         return Sent(name, "refused", str(error))
     try:
         receipt = trying.put(recording)
-    except RefusedError as error:
+    except (UnavailableError, DamagedError) as error:
+        # this is about the store and not about the recording
+        return Sent(name, "waiting", str(error))
+    except (RefusedError, StoreError) as error:
         spool.refuse(name, str(error))
         return Sent(name, "refused", str(error))
-    except StoreError as error:
-        return Sent(name, "waiting", str(error))
     if receipt.digest != recording.digest:
         return Sent(name, "waiting", f"the receipt is for {receipt.digest}, expected {recording.digest}")
     spool.remove(name)
@@ -128,7 +134,7 @@ class _Trying:
         for failures in range(1, self.back_off.attempts):
             try:
                 return self.receiver.put(recording)
-            except (UnreachableError, StoreError) as error:
+            except (UnreachableError, UnavailableError) as error:
                 # a store that is busy may have time later
                 _log.info("trying again: %s", error)
                 self.sleep(self.back_off.wait_s(failures))

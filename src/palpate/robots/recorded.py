@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from time import monotonic, sleep
 
 from palpate.client import Receiver
 from palpate.network.model import Network
@@ -12,12 +13,15 @@ from palpate.outcomes import Above, Below, Outcome, Reading
 from palpate.recording.measuring import About, Measuring
 from palpate.recording.recorder import current_recording
 from palpate.recording.spool import Spool
-from palpate.recording.uploading import send
+from palpate.recording.uploading import Sent, send
 from palpate.recording.watching import Finished, finished_recordings
 from palpate.robots.protocol import Robot
 from palpate.store.records import Setup, ThingRef
 
 __all__ = ["RecordedRobot"]
+
+PATIENCE_S, PAUSE_S = 60.0, 0.05
+"""How long somebody else may take to send a recording, as long as a server may take to answer, and between looks."""
 
 
 class RecordedRobot:
@@ -118,11 +122,28 @@ class RecordedRobot:
         return outcome if outcome.unit is not None else replace(outcome, unit=measured.unit)
 
     def _send(self, one: Finished, action: str, step: int) -> None:
-        sent = send(one.spool, one.name, self._receiver)
-        if sent is not None and sent.state not in ("sent", "known"):
+        sent = self._sent(one)
+        if sent.state not in ("sent", "known"):
             self.troubles.append(f"the recording {one.name} is {sent.state} in {one.spool.folder}: {sent.reason}")
         elif one.recording.action == action and step == self._step:
             self._recorded = one.recording.digest
+
+    def _sent(self, one: Finished) -> Sent:
+        """What became of a recording, though somebody else may be sending what is in the same spool."""
+        end = monotonic() + PATIENCE_S
+        while (sent := send(one.spool, one.name, self._receiver)) is None:
+            if not one.spool.waits(one.name):
+                return _sent_by_another(one)
+            if monotonic() > end:
+                return Sent(one.name, "waiting", f"somebody else has been sending it for {PATIENCE_S:g} s")
+            sleep(PAUSE_S)
+        return sent
+
+
+def _sent_by_another(one: Finished) -> Sent:
+    """What became of a recording that is gone; that it is in this store too is found when the step is put."""
+    reason = one.spool.refused().get(one.name)
+    return Sent(one.name, "known") if reason is None else Sent(one.name, "refused", reason)
 
 
 def _is_recorded(action: str, finished: Sequence[Finished]) -> bool:

@@ -6,21 +6,28 @@
     One row for each recording: what was hashed, what it refers to, and its raw signals, compressed.
 ``entries.parquet``
     One row for each result, for queries; an import does without.
-``objects.parquet``, ``episodes.parquet``
-    What is said and known of each object; the lines of each exploration. An archive may lack them.
+``objects.parquet``
+    What is said and known of each object. An archive of an older version of the package may lack it.
+``episodes.parquet``
+    The lines of each exploration. An archive of an older version of the package may lack it.
 ``blobs/``
     Files, under their SHA-256.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from palpate.store.archive_episodes import EPISODES, write_episodes
+from sqlalchemy import func, select
+
+from palpate.errors import plural
+from palpate.store import schema
+from palpate.store.archive_episodes import EPISODES, episodes_with, write_episodes
 from palpate.store.archive_rows import entries_schema, entry_row, recording_row, recordings_schema
-from palpate.store.archive_things import OBJECTS, write_things
+from palpate.store.archive_things import OBJECTS, things_with, write_things
 from palpate.store.blobs import FolderBlobs
 from palpate.store.content import file_digest, to_json
 from palpate.store.exporting.selection import Selection
@@ -40,13 +47,13 @@ MANIFEST, RECORDINGS = "manifest.json", "recordings.parquet"
 TABLES = ("entries.parquet", RECORDINGS)
 MORE_TABLES = (EPISODES, OBJECTS)
 """Tables that archives of older versions of the package do not have."""
-PARTS = "what is known of objects, and episodes, are only in archives of all recordings"
 
 
 def export_archive(store: Store, folder: Path, wanted: Filter | None = None, told: Told = lambda done, of: None) -> int:
-    """Write recordings of a store as an archive; where they are all, with its objects and episodes.
+    """Write recordings of a store as an archive, with their objects and the episodes that they make up.
 
-    The archive appears whole or not at all: it is written beside and renamed.
+    All of it is as the store was at one moment, and the archive appears whole or not at all: it is written beside and
+    renamed.
 
     Parameters
     ----------
@@ -79,15 +86,40 @@ class Archive:
     """The project's own archive, as a format of an export: what it holds can be imported whole."""
 
     def write(self, selection: Selection, folder: Path, told: Told) -> Written:
-        """Write recordings, results, blobs and the manifest."""
-        left = () if selection.is_all else (PARTS,)
-        return Written(_write(selection, folder, told), left)
+        """Write recordings, results, objects, episodes, blobs and the manifest."""
+        kept = FolderBlobs(folder / "blobs")
+        count = _write_recordings(selection, folder, kept, told)
+        episodes = episodes_with(selection)
+        things = things_with(selection, episodes)
+        write_things(selection.connection, things, selection.store.blobs, folder, kept)
+        write_episodes(selection.connection, episodes, folder)
+        digests = {name: file_digest(folder / name) for name in (*TABLES, *MORE_TABLES)}
+        counts = {"recordings": count, "episodes": len(episodes)}
+        manifest = {"format": NAME, "version": VERSION, **counts, "sha256": digests}
+        (folder / MANIFEST).write_text(to_json(manifest) + "\n", encoding="utf-8")
+        return Written(count, tuple(_left_out(selection, len(things), len(episodes))))
 
 
-def _write(selection: Selection, folder: Path, told: Told) -> int:
+def _left_out(selection: Selection, things: int, episodes: int) -> Iterator[str]:
+    """What of the store is not in an archive beside the recordings that were not asked for."""
+    for table, name, written, why in (
+        (schema.things, "object", things, "about which nothing is in the archive"),
+        (
+            schema.episodes,
+            "episode",
+            episodes,
+            "without recordings, with some that are not in the archive, or of another visibility",
+        ),
+    ):
+        left = (selection.connection.scalar(select(func.count()).select_from(table)) or 0) - written
+        if left:
+            yield f"{plural(left, name)} left out ({why})"
+
+
+def _write_recordings(selection: Selection, folder: Path, kept: FolderBlobs, told: Told) -> int:
     from pyarrow.parquet import ParquetWriter
 
-    kept, count, of = FolderBlobs(folder / "blobs"), 0, selection.count()
+    count, of = 0, selection.count()
     with (
         ParquetWriter(folder / RECORDINGS, recordings_schema(), compression="zstd") as heads,
         ParquetWriter(folder / "entries.parquet", entries_schema(), compression="zstd") as entries,
@@ -100,19 +132,11 @@ def _write(selection: Selection, folder: Path, told: Told) -> int:
                 kept.put(item.sha256, item.data)
             count += len(batch)
             told(count, of)
-    more, episodes = MORE_TABLES if selection.is_all else (), 0
-    if more:
-        with selection.store.engine.connect() as connection:
-            write_things(connection, selection.store.blobs, folder, kept)
-            episodes = write_episodes(connection, folder)
-    digests = {name: file_digest(folder / name) for name in (*TABLES, *more)}
-    manifest = {"format": NAME, "version": VERSION, "recordings": count, "episodes": episodes, "sha256": digests}
-    (folder / MANIFEST).write_text(to_json(manifest) + "\n", encoding="utf-8")
     return count
 
 
-def _write_rows(writer: ParquetWriter, schema: pyarrow.Schema, rows: list[dict[str, Any]]) -> None:
+def _write_rows(writer: ParquetWriter, columns: pyarrow.Schema, rows: list[dict[str, Any]]) -> None:
     import pyarrow
 
     if rows:
-        writer.write_table(pyarrow.Table.from_pylist(rows, schema=schema))
+        writer.write_table(pyarrow.Table.from_pylist(rows, schema=columns))

@@ -10,17 +10,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from uuid import UUID
 
-from sqlalchemy import Connection
+from sqlalchemy import Connection, select
 
+from palpate.store import schema
 from palpate.store.episodes import StoredEpisode, episode_from
 from palpate.store.errors import DamagedError
-from palpate.store.keeping_episodes import all_episodes
+from palpate.store.exporting.selection import Selection
+from palpate.store.keeping_episodes import episodes_of
 from palpate.store.records import ThingRef
 
 if TYPE_CHECKING:
     import pyarrow
 
-__all__ = ["EPISODES", "archived_episodes", "episodes_schema", "write_episodes"]
+__all__ = ["EPISODES", "archived_episodes", "episodes_schema", "episodes_with", "write_episodes"]
 
 EPISODES = "episodes.parquet"
 
@@ -35,17 +37,30 @@ def episodes_schema() -> pyarrow.Schema:
     return pa.schema([*((name, pa.string()) for name in texts), moments, ("position", pa.int64())])
 
 
-def write_episodes(connection: Connection, folder: Path) -> int:
-    """Write all episodes, and return how many they are."""
+def episodes_with(selection: Selection) -> list[int]:
+    """Rows of the episodes that have recordings, all of them selected, and the visibility that was asked for, if any.
+
+    Where all recordings are selected, so are all episodes.
+    """
+    episodes, steps = schema.episodes.c, schema.episode_steps.c
+    asked = select(episodes.id).order_by(episodes.id)
+    if not selection.is_all:
+        linked = select(steps.episode_id).where(steps.recording_id.is_not(None))
+        outside = linked.where(steps.recording_id.not_in(selection.rows()))
+        asked = asked.where(episodes.id.in_(linked), episodes.id.not_in(outside))
+    if selection.wanted.visibility is not None:
+        asked = asked.where(episodes.visibility == selection.wanted.visibility)
+    return list(selection.connection.scalars(asked))
+
+
+def write_episodes(connection: Connection, ids: Sequence[int], folder: Path) -> None:
+    """Write the episodes of rows."""
     import pyarrow as pa
     from pyarrow.parquet import ParquetWriter
 
-    count = 0
     with ParquetWriter(folder / EPISODES, episodes_schema(), compression="zstd") as writer:
-        for episode in all_episodes(connection):
+        for episode in episodes_of(connection, ids):
             writer.write_table(pa.Table.from_pylist(list(_rows(episode)), schema=episodes_schema()))
-            count += 1
-    return count
 
 
 def archived_episodes(rows: Iterable[Mapping[str, Any]]) -> Iterator[tuple[str, StoredEpisode | str]]:

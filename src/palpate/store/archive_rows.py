@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from uuid import UUID
 
 from palpate.store.arrays import pack_series, unpack_series
-from palpate.store.content import entry_plain, layout_plain, setup_plain, thing_plain, to_json
+from palpate.store.content import entry_plain, setup_plain, thing_plain, to_json
 from palpate.store.decoding import Stored, recording_from, setup_from, thing_from
 from palpate.store.entries import Entry
 from palpate.store.errors import DamagedError
@@ -58,8 +58,7 @@ def recording_row(recording: Recording) -> dict[str, Any]:
         "setup": to_json(setup_plain(recording.setup)),
         "document": recording.document,
         "series": [
-            {"name": series.name, "layout": to_json(layout_plain(series)), "data": pack_series(series)}
-            for series in recording.series
+            {"name": series.name, "layout": series.layout, "data": pack_series(series)} for series in recording.series
         ],
         "log": recording.log.encode(),
     }

@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import Connection, literal
+from sqlalchemy import Connection, select
 
+from palpate.store import schema
 from palpate.store.blobs import Blobs
 from palpate.store.content import entry_plain, to_json
 from palpate.store.decoding import entry_from
+from palpate.store.exporting.selection import Selection
 from palpate.store.records import ThingRef
 from palpate.store.things import Image, Known, Thing, things_where
 
 if TYPE_CHECKING:
     import pyarrow
 
-__all__ = ["OBJECTS", "archived_thing", "objects_schema", "write_things"]
+__all__ = ["OBJECTS", "archived_thing", "objects_schema", "things_with", "write_things"]
 
 OBJECTS = "objects.parquet"
+AT_ONCE = 400
 
 
 @cache
@@ -43,15 +46,41 @@ def objects_schema() -> pyarrow.Schema:
     )
 
 
-def write_things(connection: Connection, blobs: Blobs, folder: Path, kept: Blobs) -> None:
-    """Write all objects, and their images among the blobs of the archive."""
-    import pyarrow as pa
-    from pyarrow import parquet
+def things_with(selection: Selection, episodes: Sequence[int]) -> list[int]:
+    """Rows of the objects of recordings and episodes, and of those that they count as.
 
-    things = list(things_where(connection, literal(True)))
-    parquet.write_table(pa.Table.from_pylist(list(map(_row, things)), schema=objects_schema()), folder / OBJECTS)
-    for image in (image for thing in things for image in thing.images):
-        kept.put(image.sha256, blobs.get(image.sha256))
+    Where all recordings are selected, so are all objects.
+    """
+    things, recordings, explored = schema.things.c, schema.recordings.c, schema.episodes.c
+    if selection.is_all:
+        return list(selection.connection.scalars(select(things.id).order_by(things.id)))
+    found = set(
+        selection.connection.scalars(select(recordings.thing_id).where(recordings.id.in_(selection.rows())).distinct())
+    )
+    for ids in _parts(episodes):
+        found.update(selection.connection.scalars(select(explored.thing_id).where(explored.id.in_(ids))))
+    for ids in _parts(sorted(found)):
+        heads = select(things.merged_into).where(things.id.in_(ids), things.merged_into.is_not(None))
+        found.update(selection.connection.scalars(heads))
+    return sorted(found)
+
+
+def write_things(connection: Connection, ids: Sequence[int], blobs: Blobs, folder: Path, kept: Blobs) -> None:
+    """Write the objects of rows, and their images among the blobs of the archive."""
+    import pyarrow as pa
+    from pyarrow.parquet import ParquetWriter
+
+    with ParquetWriter(folder / OBJECTS, objects_schema()) as writer:
+        for part in _parts(ids):
+            things = list(things_where(connection, schema.things.c.id.in_(part)))
+            writer.write_table(pa.Table.from_pylist(list(map(_row, things)), schema=objects_schema()))
+            for image in (image for thing in things for image in thing.images):
+                kept.put(image.sha256, blobs.get(image.sha256))
+
+
+def _parts(ids: Sequence[int]) -> Iterator[Sequence[int]]:
+    """Rows, so many at a time that a database can be asked for them."""
+    return (ids[start : start + AT_ONCE] for start in range(0, len(ids), AT_ONCE))
 
 
 def _row(thing: Thing) -> dict[str, Any]:

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
 
-from sqlalchemy import Connection, insert, select, update
+from sqlalchemy import Connection, Select, insert, select, update
 
 from palpate.store import schema
+from palpate.store.completing import CHANGED
 from palpate.store.content import to_json
 from palpate.store.errors import StoreError
 from palpate.store.records import ThingRef
@@ -21,7 +22,7 @@ from palpate.store.things import is_thing
 
 __all__ = ["ADDED", "CHANGED", "MERGED", "UNDOABLE", "Change", "history"]
 
-ADDED, CHANGED, MERGED = "added", "changed", "merged"
+ADDED, MERGED = "added", "merged"
 UNDOABLE = (CHANGED, MERGED)
 Row = Mapping[Any, Any]
 
@@ -55,8 +56,7 @@ class Change:
 
 def history(store: Store, thing: ThingRef | None = None) -> tuple[Change, ...]:
     """What was changed about an object, or about all, the first first."""
-    things, audit = schema.things, schema.audit
-    asked = select(audit, things).join(things, things.c.id == audit.c.thing_id).order_by(audit.c.id)
+    asked = _lines().order_by(schema.audit.c.id)
     if thing is not None:
         asked = asked.where(is_thing(thing))
     with store.engine.connect() as connection:
@@ -76,6 +76,11 @@ def last_of(connection: Connection, thing_id: int, *what: str) -> Row | None:
     return connection.execute(select(audit).where(*holds).order_by(audit.c.id.desc()).limit(1)).mappings().first()
 
 
+def change_of(connection: Connection, line: int) -> Change:
+    """A line of the audit by its row number."""
+    return _change(connection.execute(_lines().where(schema.audit.c.id == line)).mappings().one())
+
+
 def take_back(connection: Connection, row: Row, who: str | None) -> None:
     """Note that a change was undone."""
     audit = schema.audit
@@ -89,6 +94,11 @@ def row_of(connection: Connection, name: str, thing: ThingRef) -> Row:
     if row is None:
         raise StoreError(f"{name}: {thing.dataset} {thing.id} is not in the store, expected an object that is")
     return row
+
+
+def _lines() -> Select[*tuple[Any, ...]]:
+    things, audit = schema.things, schema.audit
+    return select(audit, things).join(things, things.c.id == audit.c.thing_id)
 
 
 def _change(row: Row) -> Change:

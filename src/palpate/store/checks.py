@@ -11,6 +11,7 @@ from palpate.errors import choices
 from palpate.network.units import UnitError, factor, unit_of
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
 from palpate.store.errors import StoreError
+from palpate.store.quantities import check_quantity
 from palpate.store.records import DEVICE_KINDS, VISIBILITIES, Device, FileItem, Pose, Recording, Setup, ThingRef
 from palpate.store.signals import check_series
 from palpate.store.texts import check_encoding, check_json, check_name, check_number, check_numbers, check_text
@@ -162,6 +163,7 @@ def check_entry(where: str, entry: Entry, units: Mapping[str, str | None]) -> No
             check_number(f"{where}.{name}", value)
     _check_order(where, entry)
     check_unit(f"{where}.unit", entry.unit, units.get(entry.property))
+    check_quantity(f"{where}.unit", entry.unit, entry.property)
 
 
 def _check_order(where: str, entry: Value | Interval | Bound) -> None:

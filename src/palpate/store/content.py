@@ -214,7 +214,7 @@ def _arrays(recording: Recording) -> Iterator[NDArray[Any]]:
 
 def _series_text(series: Series) -> str:
     counts = ",".join([str(len(channel.values)) for channel in series.channels])
-    return f'{{"channels":{layout_text(series)},"counts":[{counts}],"name":{to_json(series.name)}}}'
+    return f'{{"channels":{series.layout},"counts":[{counts}],"name":{to_json(series.name)}}}'
 
 
 def _file_plain(item: FileItem) -> dict[str, Any]:

@@ -15,7 +15,19 @@ from sqlalchemy.exc import ArgumentError, DatabaseError
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.outages import tell_outages
 
-__all__ = ["LATEST", "changing", "connect", "is_store", "migrate", "revision", "up_to_date", "writing"]
+__all__ = [
+    "LATEST",
+    "MERGE_LOCK",
+    "changing",
+    "connect",
+    "is_store",
+    "migrate",
+    "one_at_a_time",
+    "revision",
+    "snapshot",
+    "up_to_date",
+    "writing",
+]
 
 LATEST = "0002"
 MIGRATIONS = Path(__file__).parent / "migrations"
@@ -23,8 +35,8 @@ WAIT_S = 30
 PAGE_BYTES = 16384
 # 64 MiB of log before it is worked into the file
 CHECKPOINT_PAGES = 4096
-MIGRATION_LOCK = 0x70616C70
-"""Any number that other programs on one PostgreSQL are unlikely to lock."""
+MIGRATION_LOCK, MERGE_LOCK = 0x70616C70, 0x70616C71
+"""Any numbers that other programs on one PostgreSQL are unlikely to lock."""
 
 
 def connect(url: str, *, durable: bool = True) -> Engine:
@@ -118,6 +130,22 @@ def changing(engine: Engine) -> Iterator[Connection]:
         raise UnavailableError(f"{told}; nothing was changed") from None
 
 
+def one_at_a_time(connection: Connection, lock: int) -> None:
+    """Wait until no other transaction that writes holds this lock, and hold it until this one ends."""
+    # in SQLite a transaction that writes has locked out all others
+    if connection.dialect.name == "postgresql":
+        connection.execute(text("SELECT pg_advisory_xact_lock(:number)"), {"number": lock})
+
+
+@contextmanager
+def snapshot(engine: Engine) -> Iterator[Connection]:
+    """One transaction that reads: all that it sees is as it was at its first look, whatever is written meanwhile."""
+    if engine.dialect.name == "postgresql":
+        engine = engine.execution_options(isolation_level="REPEATABLE READ")
+    with engine.connect() as connection:
+        yield connection
+
+
 def revision(connection: Connection) -> str | None:
     """Which migration the tables are at; None where there are none."""
     if not inspect(connection).has_table("alembic_version"):
@@ -174,9 +202,8 @@ def migrate(engine: Engine, target: str) -> None:
     config.set_main_option("path_separator", "os")
     with writing(engine).begin() as connection:
         config.attributes["connection"] = connection
-        # two programs may open a new store at once; in SQLite the one that writes has locked out the other
-        if connection.dialect.name == "postgresql":
-            connection.execute(text("SELECT pg_advisory_xact_lock(:number)"), {"number": MIGRATION_LOCK})
+        # two programs may open a new store at once
+        one_at_a_time(connection, MIGRATION_LOCK)
         found = revision(connection)
         known = {script.revision for script in ScriptDirectory.from_config(config).walk_revisions()}
         if found is not None and found not in known:

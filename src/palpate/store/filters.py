@@ -13,6 +13,7 @@ from sqlalchemy import ColumnElement, Select, func, or_, select, union
 from palpate.errors import choices
 from palpate.store import schema
 from palpate.store.errors import StoreError
+from palpate.store.json_columns import HoldsText
 from palpate.store.rows import microseconds
 
 __all__ = ["Cursor", "Filter", "Sort"]
@@ -166,9 +167,8 @@ def things_named(name: str | None, dataset: str | None) -> Select[tuple[int]]:
 def called(name: str) -> ColumnElement[bool]:
     """The condition on `schema.things` that one is called so: in its dataset, in common, by alias or by its path."""
     columns = schema.things.c
-    alias = columns.aliases.contains(json.dumps(name, ensure_ascii=False), autoescape=True)
     path = columns.dataset + "/" + columns.name
-    return or_(columns.name == name, columns.common_name == name, alias, path == name)
+    return or_(columns.name == name, columns.common_name == name, HoldsText(columns.aliases, name), path == name)
 
 
 def things_known(name: str, label: str) -> Select[tuple[int]]:

@@ -72,13 +72,11 @@ def get_episode(store: Store, key: UUID | str) -> StoredEpisode:
         return stored_episode(row, documents_of(connection, row["id"]))
 
 
-def all_episodes(connection: Connection) -> Iterator[StoredEpisode]:
-    """Every episode, in the order in which they came, verified."""
-    columns, last = schema.episodes.c, 0
-    while rows := episode_rows(connection, columns.id.in_(next_ids(connection, last))):
-        for row in rows:
+def episodes_of(connection: Connection, ids: Sequence[int]) -> Iterator[StoredEpisode]:
+    """The episodes of rows, in order, verified."""
+    for start in range(0, len(ids), AT_ONCE):
+        for row in episode_rows(connection, schema.episodes.c.id.in_(ids[start : start + AT_ONCE])):
             yield stored_episode(row, documents_of(connection, row["id"]))
-        last = rows[-1]["id"]
 
 
 def next_ids(connection: Connection, last: int) -> list[int]:

@@ -107,6 +107,13 @@ class Series:
     name: str
     channels: tuple[Channel, ...]
 
+    @cached_property
+    def layout(self) -> str:
+        """What its arrays are, as JSON, without how many samples they have."""
+        from palpate.store.content import layout_text
+
+        return layout_text(self)
+
 
 @dataclass(frozen=True)
 class FileItem:

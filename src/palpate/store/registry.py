@@ -13,6 +13,7 @@ from sqlalchemy import Connection, Table, insert, select, update
 
 from palpate.store import schema
 from palpate.store.checks import check_unit
+from palpate.store.completing import contradictions, joined_things, taken_away, without
 from palpate.store.content import device_plain, setup_plain, to_json
 from palpate.store.entries import Bound, Interval, Value
 from palpate.store.records import Device, Recording, Setup, ThingRef
@@ -161,6 +162,7 @@ class Lookup(Registry):
         known = thing_of(found)
         joined = joined_things(known, thing)
         if joined != known:
+            joined = without(known, joined, taken_away(self.connection, found["id"]))
             self.connection.execute(update(table).where(table.c.id == found["id"]).values(**thing_row(joined)))
         contradicted = contradictions(known, thing)
         if contradicted:
@@ -185,32 +187,6 @@ def thing_of(row: Mapping[Any, Any]) -> ThingRef:
         json.loads(row["attributes"]),
         tuple(json.loads(row["aliases"])),
     )
-
-
-def joined_things(known: ThingRef, other: ThingRef) -> ThingRef:
-    """What is known of an object, completed by what else is said: what was known first stays."""
-    names = [*known.aliases, *other.aliases]
-    if known.common_name and other.common_name and other.common_name != known.common_name:
-        names.append(other.common_name)
-    return ThingRef(
-        known.dataset,
-        known.id,
-        known.maker or other.maker,
-        known.common_name or other.common_name,
-        {**other.attributes, **known.attributes},
-        tuple(dict.fromkeys(names)),
-    )
-
-
-def contradictions(known: ThingRef, other: ThingRef) -> dict[str, Any]:
-    """What another description says otherwise."""
-    found: dict[str, Any] = {}
-    if known.maker and other.maker and known.maker != other.maker:
-        found["maker"] = other.maker
-    for key, value in other.attributes.items():
-        if key in known.attributes and to_json(known.attributes[key]) != to_json(value):
-            found[f"attributes.{key}"] = value
-    return found
 
 
 def thing_row(thing: ThingRef) -> dict[str, Any]:

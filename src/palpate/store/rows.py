@@ -11,7 +11,6 @@ from typing import Any
 from palpate.network.units import unit_of
 from palpate.store.arrays import pack_bytes, pack_series
 from palpate.store.blobs import Blobs
-from palpate.store.content import layout_text
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
 from palpate.store.records import Recording
 from palpate.store.registry import Registry
@@ -85,7 +84,7 @@ def prepare(recording: Recording, blobs: Blobs) -> Prepared:
     series = []
     for one in recording.series:
         packed = _placed("data", "blob", pack_series(one), blobs)
-        series.append({"name": one.name, "layout": layout_text(one), **packed})
+        series.append({"name": one.name, "layout": one.layout, **packed})
     log = pack_bytes(recording.log.encode()) if recording.log else None
     return Prepared(recording, _placed("log", "log_blob", log, blobs), tuple(series))
 

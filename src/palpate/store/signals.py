@@ -3,39 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from functools import lru_cache
+from collections.abc import Iterable
 
 import numpy as np
 
-from palpate.network.units import UnitError, factor, unit_of
 from palpate.store.errors import StoreError
+from palpate.store.quantities import check_quantity
 from palpate.store.records import Channel, Series
 from palpate.store.texts import check_name
 
-__all__ = ["QUANTITIES", "check_series"]
-
-QUANTITIES: Mapping[str, str] = {
-    "acceleration": "m/s^2",
-    "angular_velocity": "rad/s",
-    "charge": "C",
-    "current": "A",
-    "density": "kg/m^3",
-    "force": "N",
-    "frequency": "Hz",
-    "length": "m",
-    "mass": "kg",
-    "power": "W",
-    "pressure": "Pa",
-    "stress": "Pa",
-    "temperature": "K",
-    "time": "s",
-    "torque": "N*m",
-    "velocity": "m/s",
-    "voltage": "V",
-    "volume": "m^3",
-}
-"""Quantities of one dimension; of any other (a position may be in mm or per cent) any unit will do."""
+__all__ = ["check_series"]
 
 NUMBERS = "biuf"
 
@@ -81,9 +58,7 @@ def _check_channel(where: str, channel: Channel) -> None:
         _check_time(where, channel.time_s, len(values))
     if channel.unit is not None:
         check_name(f"{where}.unit", channel.unit)
-        fault = _unit_fault(channel.unit, channel.quantity)
-        if fault is not None:
-            raise StoreError(f"{where}.unit: {fault}")
+    check_quantity(f"{where}.unit", channel.unit, channel.quantity)
 
 
 def _check_time(where: str, time_s: np.ndarray[tuple[int, ...], np.dtype[np.float64]], samples: int) -> None:
@@ -91,19 +66,6 @@ def _check_time(where: str, time_s: np.ndarray[tuple[int, ...], np.dtype[np.floa
         raise StoreError(f"{where}.time_s: shape {time_s.shape} for {samples} samples, expected ({samples},)")
     if not np.isfinite(time_s).all():
         raise StoreError(f"{where}.time_s: a time stamp is not finite, expected seconds")
-
-
-@lru_cache(maxsize=1024)
-def _unit_fault(unit: str, quantity: str) -> str | None:
-    """What is wrong with a unit."""
-    try:
-        if quantity in QUANTITIES:
-            factor(unit, QUANTITIES[quantity])
-        else:
-            unit_of(unit)
-    except UnitError as error:
-        return str(error)
-    return None
 
 
 def _check_lengths(where: str, series: Series) -> None:

@@ -159,21 +159,15 @@ class Store:
         there = self._present(cursor, batch)
         new = {one.recording.digest: one for one in reversed(batch) if one.recording.digest not in there}
         if new:
+            _check_ids(new.values(), there.values())
             self._insert(cursor, shared, list(reversed(new.values())))
         return [_receipt(one, there, new) for one in batch]
 
     def _present(self, cursor: DBAPICursor, batch: Sequence[Prepared]) -> dict[str, UUID]:
-        """Which of these recordings are there, by digest; refuse ids that others have."""
-        _check_ids(batch)
+        """Digest and id of what is there that has a digest, or an id, of these."""
         digests = [bytes.fromhex(one.recording.digest) for one in batch]
         ids = [one.recording.id.bytes for one in batch]
-        found: dict[str, UUID] = {}
-        asked = set(digests)
-        for uuid, digest in self._statements.present(cursor, digests, ids):
-            if digest not in asked:
-                raise StoreError(TAKEN.format(UUID(bytes=uuid)))
-            found[digest.hex()] = UUID(bytes=uuid)
-        return found
+        return {digest.hex(): UUID(bytes=uuid) for uuid, digest in self._statements.present(cursor, digests, ids)}
 
     def _insert(self, cursor: DBAPICursor, shared: Registry, batch: Sequence[Prepared]) -> None:
         uploaded_us = now_us()
@@ -191,12 +185,13 @@ class Store:
             self._statements.insert(cursor, table, more)
 
 
-def _check_ids(batch: Iterable[Prepared]) -> None:
-    """Refuse one id for two recordings of a batch."""
-    digests: dict[UUID, str] = {}
-    for one in batch:
-        if digests.setdefault(one.recording.id, one.recording.digest) != one.recording.digest:
+def _check_ids(new: Iterable[Prepared], there: Iterable[UUID]) -> None:
+    """Refuse an id that is there, or that two recordings have."""
+    taken = set(there)
+    for one in new:
+        if one.recording.id in taken:
             raise StoreError(TAKEN.format(one.recording.id))
+        taken.add(one.recording.id)
 
 
 def _receipt(one: Prepared, there: Mapping[str, UUID], new: Mapping[str, Prepared]) -> Receipt:

@@ -7,9 +7,9 @@ from typing import Any
 
 from sqlalchemy import Connection
 
-from palpate.store.audit import MERGED, UNDOABLE, last_of, row_of, take_back
+from palpate.store.audit import MERGED, UNDOABLE, Change, change_of, last_of, row_of, take_back
 from palpate.store.content import to_json
-from palpate.store.database import changing
+from palpate.store.database import MERGE_LOCK, changing, one_at_a_time
 from palpate.store.describing import fields_of, with_fields, write
 from palpate.store.errors import StoreError
 from palpate.store.merging import unmerge
@@ -20,15 +20,15 @@ from palpate.store.things import is_thing, things_where
 __all__ = ["undo"]
 
 
-def undo(store: Store, thing: ThingRef, *, who: str | None = None) -> str:
+def undo(store: Store, thing: ThingRef, *, who: str | None = None) -> Change:
     """Take back the last change of an object that holds: of its description, or that it was merged.
 
     Called again it takes back the one before.
 
     Returns
     -------
-    str
-        What was taken back: ``changed`` or ``merged``.
+    Change
+        What was taken back.
 
     Raises
     ------
@@ -37,16 +37,17 @@ def undo(store: Store, thing: ThingRef, *, who: str | None = None) -> str:
         recording has completed the description since.
     """
     with changing(store.engine) as connection:
+        one_at_a_time(connection, MERGE_LOCK)
         row = row_of(connection, "thing", thing)
         last = last_of(connection, row["id"], *UNDOABLE)
         if last is None:
             raise StoreError(f"thing: {thing.dataset} {thing.id} has no change to take back, expected one that has")
         if last["what"] == MERGED:
-            unmerge(connection, row, last)
+            unmerge(connection, row["id"])
         else:
             _restore(connection, row["id"], thing, json.loads(last["detail"]))
         take_back(connection, last, who)
-        return str(last["what"])
+        return change_of(connection, last["id"])
 
 
 def _restore(connection: Connection, row: int, thing: ThingRef, detail: list[dict[str, Any]]) -> None:

@@ -4,13 +4,10 @@ from pathlib import Path
 
 import pytest
 import yaml
-from hypothesis import given
-from hypothesis import strategies as st
 
 from palpate.store.entries import Value
 from palpate.store.exporting.card import _size
 from palpate.store.exporting.hugging_face import HuggingFace
-from palpate.store.exporting.markdown import cell, markdown_table
 from palpate.store.exporting.publication import Terms
 from palpate.store.records import ThingRef
 from palpate.store.store import Store
@@ -84,15 +81,6 @@ def test_odd_names_do_not_break_the_card(local: Store, tmp_path: Path) -> None:
     for part in re.findall(r"(?:^\|.*\n)+", text, flags=re.MULTILINE):
         assert len({len(re.findall(r"(?<!\\)\|", line)) for line in part.splitlines()}) == 1
     assert "<script>" not in text.replace("\\<script\\>", "")
-
-
-@given(st.lists(st.tuples(st.text(), st.text()), max_size=5), st.integers(0, 4))
-def test_any_table_keeps_its_shape(rows: list[tuple[str, str]], most: int) -> None:
-    """A table has a line for each row that is shown, and one for the rest."""
-    lines = markdown_table(["a", "b"], rows, most).split("\n")
-    assert len(lines) == 2 + min(len(rows), most) + (len(rows) > most)
-    assert all(len(re.findall(r"(?<!\\)(?:\\\\)*\|", line)) == 3 for line in lines)
-    assert all("\n" not in cell(part) for row in rows for part in row)
 
 
 @pytest.mark.parametrize(

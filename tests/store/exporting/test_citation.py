@@ -53,7 +53,8 @@ def check_citation(plain: Any) -> None:
 def cited(local: Store) -> Any:
     local.put_many([public(1), public(2, action="robotics")])
     terms = Terms(authors=("Doe, Jane", "The lab", "Doe, Jane, and others"), released=date(2026, 1, 2))
-    return yaml.safe_load(citation_file(publication(Selection.of(local), terms)[1]))
+    with Selection.of(local) as selection:
+        return yaml.safe_load(citation_file(publication(selection, terms)[1]))
 
 
 def test_a_citation_follows_the_format(cited: Any) -> None:
@@ -71,7 +72,8 @@ def test_a_citation_follows_the_format(cited: Any) -> None:
 def test_a_licence_that_is_not_listed_is_named_in_words(local: Store) -> None:
     """The format knows SPDX identifiers only; another licence stands in the abstract."""
     local.put(public(1, licence="for our lab: alone"))
-    plain = yaml.safe_load(citation_file(publication(Selection.of(local), Terms())[1]))
+    with Selection.of(local) as selection:
+        plain = yaml.safe_load(citation_file(publication(selection, Terms())[1]))
     check_citation(plain)
     assert "license" not in plain
     assert "Licence: for our lab: alone." in plain["abstract"]

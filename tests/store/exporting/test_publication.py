@@ -14,7 +14,8 @@ from tests.store.exporting.shared import public
 
 
 def described(store: Store, **terms: object) -> Publication:
-    return publication(Selection.of(store), Terms(released=date(2026, 1, 2), **terms))[1]  # type: ignore[arg-type]
+    with Selection.of(store) as selection:
+        return publication(selection, Terms(released=date(2026, 1, 2), **terms))[1]  # type: ignore[arg-type]
 
 
 def test_what_is_stated_comes_from_the_recordings(local: Store) -> None:

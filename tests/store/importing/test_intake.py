@@ -68,8 +68,8 @@ def test_recordings_go_in_together(local: Store, monkeypatch: pytest.MonkeyPatch
 
 def test_one_that_is_refused_holds_up_no_other(local: Store) -> None:
     """Recordings that only the store can refuse are found among the others, which are taken."""
-    given = [squeeze(number) for number in range(20)]
-    other_unit = squeeze(7, entries=(Value("elasticity", 1, None, "g"),))
+    given = [squeeze(number, entries=(Value("fluff", number, None, "kPa"),)) for number in range(20)]
+    other_unit = squeeze(7, entries=(Value("fluff", 1, None, "g"),))
     id_of_another = replace(squeeze(100), id=given[3].id)
     told = list(import_paths(local, [Path()], [Invented(*given, other_unit, id_of_another)]))
     assert [outcome.fate for outcome in told].count(Fate.NEW) == 20

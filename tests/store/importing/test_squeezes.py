@@ -145,6 +145,10 @@ def test_other_ways_to_write_it(tmp_path: Path) -> None:
         ("t,pos,force,E\n0,1_000,0.5,12\n", "line 2, column 'pos': found '1_000'"),
         ("t,pos,force,E\n,60,0.5,12\n", "line 2, column 't': found '', expected a time stamp"),
         ("t,pos,force,E\ninf,60,0.5,12\n", "line 2, column 't': found 'inf', expected a time stamp"),
+        (
+            "t,pos,force,E\n0,60,0.5,12\n20,60,0.5,12\n20,60,0.5,12\n10,60,0.5,12\n",
+            "line 5, column 't': found '10', expected a time stamp that is not before '20' in line 4",
+        ),
         ("t,pos,force,E\n0,60,0.5,12\n1,60,0.5,13\n", "line 3, column 'E': found '13', expected '12' as in"),
         ("t,pos,force,E\n0,60,0.5,soft\n", "line 2, column 'E': found 'soft', expected a number"),
         ("t,pos,force,E\n0,60,0.5\n", "line 2: 3 cells, expected 4 as in the names"),

@@ -8,7 +8,7 @@ from palpate.experiments.comparison import calibration_findings
 from palpate.experiments.comparison.plan import IN_MODEL
 from palpate.experiments.comparison.results import Results
 from palpate.experiments.comparison.sections import own_methods_of, settings_words
-from palpate.experiments.markdown import Cell, table
+from palpate.markdown import Cell, table
 
 __all__ = ["calibration_report", "numbers_section", "states_section"]
 

@@ -8,7 +8,7 @@ from palpate.experiments.comparison import cost_findings
 from palpate.experiments.comparison.plan import IN_MODEL
 from palpate.experiments.comparison.results import Results
 from palpate.experiments.comparison.sections import methods_of, own_methods_of
-from palpate.experiments.markdown import Cell, table
+from palpate.markdown import Cell, table
 
 __all__ = ["PRICES", "gains_section", "regret_section", "stopping_section", "target_section"]
 

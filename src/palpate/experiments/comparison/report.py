@@ -14,9 +14,9 @@ from palpate.experiments.comparison.plan import IN_MODEL
 from palpate.experiments.comparison.results import Results
 from palpate.experiments.comparison.sections import METHOD_WORDS, methods_of, settings_words
 from palpate.experiments.comparison.worlds import worlds
-from palpate.experiments.markdown import Cell, table
 from palpate.experiments.measures import FLOOR
 from palpate.experiments.statistics import Contrast
+from palpate.markdown import Cell, table
 
 __all__ = ["comparison_report"]
 

@@ -9,11 +9,11 @@ import numpy as np
 
 from palpate.experiments.engines import engine_words
 from palpate.experiments.frames import Frame
-from palpate.experiments.markdown import table
 from palpate.experiments.reproduction.claims import verdicts
 from palpate.experiments.reproduction.paper import Paper
 from palpate.experiments.reproduction.tasks import GREEDY, LEAST_GAIN_BITS, START
 from palpate.experiments.reproduction.verdict import Verdict
+from palpate.markdown import Markdown, table
 
 __all__ = ["claims_table", "report"]
 
@@ -53,7 +53,7 @@ def claims_table(found: Sequence[Verdict]) -> str:
     engines = list(dict.fromkeys(engine for verdict in found for engine in verdict.findings))
     header = ["Claim", "Verdict", *map(engine_words, engines)]
     rows = [
-        [verdict.claim.text, f"**{verdict.words}**", *(_figure(verdict, engine) for engine in engines)]
+        [verdict.claim.text, Markdown(f"**{verdict.words}**"), *(_figure(verdict, engine) for engine in engines)]
         for verdict in found
     ]
     return table(header, rows)

@@ -10,9 +10,9 @@ from typing import Any
 import yaml
 
 from palpate.errors import plural
+from palpate.markdown import cell, table
 from palpate.store.exporting.citation import PAPER_BIBTEX, summary_of
 from palpate.store.exporting.columns import Table
-from palpate.store.exporting.markdown import cell, markdown_table
 from palpate.store.exporting.publication import Publication
 
 __all__ = ["contents_part", "front_matter", "measured_part", "quoting_part"]
@@ -44,10 +44,10 @@ def front_matter(data: Publication, rows: int, tags: Iterable[str], configs: Map
 
 def contents_part(tables: Mapping[Table, int]) -> str:
     """Each table with what a row is, how many there are, and its columns."""
-    parts = ["## Tables", markdown_table(["table", "a row is", "rows"], _heads(tables))]
-    for table in tables:
-        rows = [(column.name, column.kind.words, column.words) for column in table.columns]
-        parts += [f"### {table.name}", markdown_table(["column", "is", "says"], rows)]
+    parts = ["## Tables", table(["table", "a row is", "rows"], _heads(tables))]
+    for one in tables:
+        rows = [(column.name, column.kind.words, column.words) for column in one.columns]
+        parts += [f"### {one.name}", table(["column", "is", "says"], rows)]
     return "\n\n".join(parts)
 
 
@@ -59,17 +59,23 @@ def measured_part(data: Publication) -> str:
     parts.append(_objects(data))
     if census.results:
         rows = [(name, kind, unit, count) for (name, kind, unit), count in _ranked(census.results)]
-        parts += ["### Results", markdown_table(["property", "kind", "unit", "results"], rows, MOST_ROWS)]
+        parts += ["### Results", table(["property", "kind", "unit", "results"], rows, most=MOST_ROWS)]
     if census.channels:
         signals = [(*key, count) for key, count in _ranked(census.channels)]
         head = ["series", "channel", "quantity", "unit", "recordings"]
-        parts += ["### Signals", markdown_table(head, signals, MOST_ROWS)]
-    parts += ["## How it was measured", markdown_table(["setup", "devices", "recordings"], _setups(data), MOST_ROWS)]
+        parts += ["### Signals", table(head, signals, most=MOST_ROWS)]
+    parts += [
+        "## How it was measured",
+        table(["setup", "devices", "recordings"], _setups(data), most=MOST_ROWS),
+    ]
     if any(census.software):
         programs = [(name or "not stated", count) for name, count in _ranked(census.software)]
-        parts.append(markdown_table(["program", "recordings"], programs, MOST_ROWS))
+        parts.append(table(["program", "recordings"], programs, most=MOST_ROWS))
     if census.notices:
-        parts += ["## What was odd", markdown_table(["notice", "recordings"], _ranked(census.notices), MOST_NOTICES)]
+        parts += [
+            "## What was odd",
+            table(["notice", "recordings"], _ranked(census.notices), most=MOST_NOTICES),
+        ]
     return "\n\n".join(parts)
 
 
@@ -78,7 +84,7 @@ def quoting_part(data: Publication) -> str:
     stated = [(name or "not stated", count) for name, count in _ranked(data.census.licences)]
     parts = ["## Licence and citation", f"Licence: {cell(data.licence.name)}."]
     if len(stated) > 1 or stated[0][0] != data.licence.name:
-        parts += ["As stated in the recordings:", markdown_table(["licence", "recordings"], stated, MOST_ROWS)]
+        parts += ["As stated in the recordings:", table(["licence", "recordings"], stated, most=MOST_ROWS)]
     parts.append(
         f"Authors: {cell('; '.join(data.authors))}. Please cite the data as `CITATION.cff` says, and the paper:"
     )
@@ -91,7 +97,7 @@ def quoting_part(data: Publication) -> str:
 
 
 def _heads(tables: Mapping[Table, int]) -> Iterable[tuple[str, str, int]]:
-    return ((table.name, table.words, rows) for table, rows in tables.items())
+    return ((one.name, one.words, rows) for one, rows in tables.items())
 
 
 def _objects(data: Publication) -> str:
@@ -107,7 +113,7 @@ def _objects(data: Publication) -> str:
         for key, thing in sorted(census.things.items())
     ]
     head = ["object", "dataset", "name there", *map(cell, actions)]
-    return markdown_table(head, rows, MOST_ROWS)
+    return table(head, rows, most=MOST_ROWS)
 
 
 def _setups(data: Publication) -> Iterable[tuple[str, str, int]]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from palpate.markdown import cell
 from palpate.store.exporting.card import contents_part, front_matter, measured_part, quoting_part
 from palpate.store.exporting.columns import RECORDINGS
-from palpate.store.exporting.markdown import cell
 from palpate.store.exporting.publication import Terms, publication
 from palpate.store.exporting.selection import Selection
 from palpate.store.exporting.shards import SHARD_BYTES

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from sqlalchemy import select
+from sqlalchemy import Connection, select
 
 from palpate.store import schema
 from palpate.store.content import canonical_dtype, device_plain, to_json
@@ -16,7 +16,6 @@ from palpate.store.exporting.census import Census
 from palpate.store.exporting.columns import AUDIOS, CHANNELS, ENTRIES, FILES, IMAGES, RECORDINGS, Table
 from palpate.store.records import Channel, FileItem, Pose, Recording
 from palpate.store.rows import entry_columns, gripper_of
-from palpate.store.store import Store
 
 __all__ = ["object_rows", "rows_of", "setup_rows"]
 
@@ -36,9 +35,9 @@ def rows_of(recordings: Sequence[Recording]) -> Mapping[Table, list[Row]]:
     return found
 
 
-def object_rows(census: Census, store: Store) -> Iterator[Row]:
+def object_rows(census: Census, connection: Connection) -> Iterator[Row]:
     """The rows of all objects that were counted."""
-    heads = _heads(store)
+    heads = _heads(connection)
     for key, thing in sorted(census.things.items()):
         same_dataset, same_name = heads.get(key, (None, None))
         yield {
@@ -69,12 +68,11 @@ def setup_rows(census: Census) -> Iterator[Row]:
             }
 
 
-def _heads(store: Store) -> Mapping[tuple[str, str], tuple[str, str]]:
+def _heads(connection: Connection) -> Mapping[tuple[str, str], tuple[str, str]]:
     """Objects that were merged into another, with that one."""
     part, head = schema.things.alias(), schema.things.alias()
     asked = select(part.c.dataset, part.c.name, head.c.dataset, head.c.name).join(head, part.c.merged_into == head.c.id)
-    with store.engine.connect() as connection:
-        return {(row[0], row[1]): (row[2], row[3]) for row in connection.execute(asked)}
+    return {(row[0], row[1]): (row[2], row[3]) for row in connection.execute(asked)}
 
 
 def _shared(recording: Recording) -> Row:

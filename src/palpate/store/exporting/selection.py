@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from datetime import datetime
 from functools import lru_cache
@@ -13,6 +14,7 @@ from uuid import UUID
 from sqlalchemy import Connection, Select, exists, func, select
 
 from palpate.store import schema
+from palpate.store.database import snapshot
 from palpate.store.decoding import moment_from, recording_from, setup_from
 from palpate.store.fetching import fetch
 from palpate.store.filters import Filter, Sort
@@ -56,28 +58,30 @@ class Outline:
 
 @dataclass(frozen=True)
 class Selection:
-    """The recordings that match, of those that were there when it was made: it gives the same ones each time.
+    """The recordings that match, in a store as it was when the selection was made: it gives the same ones each time.
 
     Attributes
     ----------
     store
         Where they are.
+    connection
+        Sees the store as it was, for all that shall fit to the recordings.
     wanted
         Conditions that hold for them.
-    last
-        The row number of the last recording that counts.
     """
 
     store: Store
+    connection: Connection
     wanted: Filter
-    last: int
 
     @classmethod
-    def of(cls, store: Store, wanted: Filter | None = None) -> Selection:
-        """All recordings that match now."""
-        with store.engine.connect() as connection:
-            last = connection.scalar(select(func.max(schema.recordings.c.id)))
-        return cls(store, wanted or Filter(), last or 0)
+    @contextmanager
+    def of(cls, store: Store, wanted: Filter | None = None) -> Iterator[Selection]:
+        """All recordings that match now; what is written until the end of the block does not count."""
+        with snapshot(store.engine) as connection:
+            # the first look is now
+            connection.execute(select(func.max(schema.recordings.c.id)))
+            yield cls(store, connection, wanted or Filter())
 
     @property
     def is_all(self) -> bool:
@@ -90,16 +94,17 @@ class Selection:
 
     def count(self) -> int:
         """How many they are."""
-        found = self._asked(0, None).order_by(None).subquery()
-        with self.store.engine.connect() as connection:
-            return connection.scalar(select(func.count()).select_from(found)) or 0
+        return self.connection.scalar(select(func.count()).select_from(self.rows().subquery())) or 0
+
+    def rows(self) -> Select[int]:
+        """Their row numbers, for a larger question to the same connection."""
+        return select(matching(self.wanted, AS_THEY_CAME, None, None).order_by(None).subquery().c.id)
 
     def outlines(self) -> Iterator[Outline]:
         """Each of them without its arrays and files, in the order in which they came."""
-        with self.store.engine.connect() as connection:
-            for ids in self._pages(connection):
-                for row in connection.execute(_outlines(ids)).mappings():
-                    yield _outline(row)
+        for ids in self._pages():
+            for row in self.connection.execute(_outlines(ids)).mappings():
+                yield _outline(row)
 
     def batches(self) -> Iterator[list[Recording]]:
         """All of them, verified, some at a time, in the order in which they came.
@@ -112,21 +117,18 @@ class Selection:
         DamagedError
             If one is not what was put into the store.
         """
-        with self.store.engine.connect() as connection:
-            for ids in self._pages(connection):
-                for part in _parts(ids, set(connection.scalars(_large(ids)))):
-                    found = fetch(connection, self.store.blobs, schema.recordings.c.id.in_(part))
-                    yield [recording_from(stored) for stored in found]
+        for ids in self._pages():
+            for part in _parts(ids, set(self.connection.scalars(_large(ids)))):
+                found = fetch(self.connection, self.store.blobs, schema.recordings.c.id.in_(part))
+                yield [recording_from(stored) for stored in found]
 
-    def _pages(self, connection: Connection) -> Iterator[list[int]]:
-        after = 0
-        while ids := list(connection.scalars(self._asked(after, AT_ONCE))):
+    def _pages(self) -> Iterator[list[int]]:
+        after, row = 0, schema.recordings.c.id
+        while ids := list(
+            self.connection.scalars(matching(self.wanted, AS_THEY_CAME, None, AT_ONCE).where(row > after))
+        ):
             yield ids
             after = ids[-1]
-
-    def _asked(self, after: int, limit: int | None) -> Select[*tuple[Any, ...]]:
-        row = schema.recordings.c.id
-        return matching(self.wanted, AS_THEY_CAME, None, limit).where(row > after, row <= self.last)
 
 
 def _parts(ids: Sequence[int], large: set[int]) -> Iterator[list[int]]:

@@ -78,7 +78,7 @@ def _write(
                 writers[table].write([table.of(rows)])
             done += len(batch)
             told(done, data.census.recordings)
-        writers[OBJECTS].write([OBJECTS.of(list(object_rows(data.census, selection.store)))])
+        writers[OBJECTS].write([OBJECTS.of(list(object_rows(data.census, selection.connection)))])
         writers[SETUPS].write([SETUPS.of(list(setup_rows(data.census)))])
     return {table: _numbered(table, writer.shards) for table, writer in writers.items() if writer.shards}
 

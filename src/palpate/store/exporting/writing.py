@@ -40,7 +40,7 @@ class Format(Protocol):
 def export(
     store: Store, form: Format, folder: str | Path, wanted: Filter | None = None, told: Told = lambda done, of: None
 ) -> Written:
-    """Write recordings into a new folder; it appears whole or not at all.
+    """Write recordings into a new folder, as the store is now; it appears whole or not at all.
 
     Parameters
     ----------
@@ -64,8 +64,8 @@ def export(
     DamagedError
         If a recording is not what was put into the store.
     """
-    with new_folder(Path(folder)) as draft:
-        return form.write(Selection.of(store, wanted), draft, told)
+    with new_folder(Path(folder)) as draft, Selection.of(store, wanted) as selection:
+        return form.write(selection, draft, told)
 
 
 @contextmanager

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from palpate.store.archive_episodes import EPISODES, archived_episodes, episodes_schema
 from palpate.store.archive_rows import blob_of
 from palpate.store.archive_things import OBJECTS, archived_thing, objects_schema
+from palpate.store.completing import joined_things
 from palpate.store.describing import add_thing, change_thing
 from palpate.store.episodes import StoredEpisode
 from palpate.store.errors import StoreError, UnavailableError
@@ -19,7 +20,6 @@ from palpate.store.keeping_episodes import put_episode
 from palpate.store.merging import merge_things
 from palpate.store.reading_archive import opened_table
 from palpate.store.records import ThingRef
-from palpate.store.registry import joined_things
 from palpate.store.store import Store
 from palpate.store.things import Thing, find_thing
 

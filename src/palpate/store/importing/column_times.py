@@ -109,12 +109,17 @@ class TimeColumn:
     unit: str
 
     def time_s(self, table: CsvTable) -> NDArray[np.float64]:
-        """Time stamps [s]; each row must have one."""
+        """Time stamps [s]; each row must have one, and none may be before the one ahead of it."""
         stamps = table.numbers(self.column) * factor(self.unit, "s")
-        if not np.isfinite(stamps).all():
-            place = int(np.flatnonzero(~np.isfinite(stamps))[0])
-            line, cell = list(table.cells(self.column))[place]
+        wrong = np.flatnonzero(~np.isfinite(stamps))
+        if len(wrong):
+            line, cell = list(table.cells(self.column))[wrong[0]]
             raise table.error(line, self.column, cell, "a time stamp")
+        back = np.flatnonzero(np.diff(stamps) < 0)
+        if len(back):
+            # rows of two recordings in one file, or a clock that was set: either way nobody knows when they were taken
+            (before, ahead), (line, cell) = list(table.cells(self.column))[back[0] : back[0] + 2]
+            raise table.error(line, self.column, cell, f"a time stamp that is not before {ahead!r} in line {before}")
         return stamps
 
 

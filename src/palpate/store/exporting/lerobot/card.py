@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from palpate.errors import plural
+from palpate.markdown import cell
 from palpate.store.exporting.card import contents_part, front_matter, measured_part, quoting_part
 from palpate.store.exporting.columns import Table
 from palpate.store.exporting.lerobot.episodes import EpisodeWriter
-from palpate.store.exporting.markdown import cell
 from palpate.store.exporting.publication import Publication
 
 __all__ = ["card"]

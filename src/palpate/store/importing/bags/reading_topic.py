@@ -9,7 +9,6 @@ import numpy as np
 
 from palpate.errors import choices
 from palpate.network.document import Section
-from palpate.store.checks import check_unit
 from palpate.store.errors import StoreError
 from palpate.store.importing.bags.fields import FieldPath
 from palpate.store.importing.bags.topics import (
@@ -24,7 +23,7 @@ from palpate.store.importing.bags.topics import (
     Topic,
 )
 from palpate.store.importing.paths import check_name
-from palpate.store.signals import QUANTITIES
+from palpate.store.quantities import check_quantity
 
 __all__ = ["path_in", "read_topic"]
 
@@ -90,14 +89,14 @@ def _channels(section: Section) -> tuple[ChannelFrom, ...]:
 def _channel(series: str, name: str, section: Section) -> ChannelFrom:
     section.only(["field", "quantity", "unit"])
     quantity = section.text("quantity", name)
-    return ChannelFrom(series, name, path_in(section, "field"), quantity, _unit(section, QUANTITIES.get(quantity)))
+    return ChannelFrom(series, name, path_in(section, "field"), quantity, _unit(section, quantity))
 
 
-def _unit(section: Section, known: str | None = None) -> str | None:
-    """A unit that is known, and of the dimension of `known`; None where nobody states one."""
+def _unit(section: Section, name: str) -> str | None:
+    """A unit that is known, and of the dimension of a quantity or property; None where nobody states one."""
     unit = section.text("unit") if "unit" in section else None
     try:
-        check_unit("unit", unit, known)
+        check_quantity("unit", unit, name)
     except StoreError as error:
         raise section.error(str(error).removeprefix("unit: "), "unit") from None
     return unit
@@ -133,7 +132,7 @@ def _result(section: Section) -> ResultFrom:
     return ResultFrom(
         property=section.text("property"),
         path=path_in(section, "field", "data"),
-        unit=_unit(section),
+        unit=_unit(section, section.text("property")),
         sd=section.between("sd", 0, 1e100) if "sd" in section else None,
         sd_path=path_in(section, "sd_field") if "sd_field" in section else None,
         labels=section.names("labels", ()),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 
 import sqlalchemy as sa
 from alembic import op
@@ -12,6 +13,8 @@ __all__ = ["downgrade", "upgrade"]
 revision = "0002"
 down_revision = "0001"
 
+PUT_ASIDE = "put aside by a downgrade"
+LINE = ("at_us", "what", "thing_id", "detail")
 NOT_STATED = "not stated"
 LABELLED = sa.text("label IS NOT NULL")
 BY_LABEL = "ix_thing_properties_property_thing_properties_label_thing_properties_thing_id"
@@ -26,6 +29,8 @@ def upgrade() -> None:
     op.add_column("episodes", sa.Column("visibility", sa.String(), nullable=False, server_default="private"))
     op.add_column("episodes", sa.Column("actions", sa.Integer(), nullable=False, server_default="0"))
     op.add_column("episodes", sa.Column("stop", sa.Text()))
+    _fill_episodes()
+    _bring_back()
     op.drop_index(op.f("ix_episodes_started_us"), table_name="episodes")
     op.drop_index(op.f("ix_episodes_thing_id"), table_name="episodes")
     op.create_index(op.f("ix_episodes_started_us_episodes_id"), "episodes", ["started_us", "id"])
@@ -35,7 +40,8 @@ def upgrade() -> None:
 
 
 def downgrade() -> None:
-    """Remove the columns."""
+    """Remove the columns; a line of the audit keeps what they say and nothing else does, for the way up."""
+    _put_aside()
     op.drop_index(op.f("ix_episodes_thing_id_episodes_started_us_episodes_id"), table_name="episodes")
     op.drop_index(op.f("ix_episodes_started_us_episodes_id"), table_name="episodes")
     op.create_index(op.f("ix_episodes_thing_id"), "episodes", ["thing_id"])
@@ -48,6 +54,56 @@ def downgrade() -> None:
         table.drop_constraint(op.f(ONE_OF_A_SOURCE), type_="unique")
         table.alter_column("source", existing_type=sa.String(), type_=sa.Text(), nullable=True)
         table.drop_column("label")
+
+
+def _fill_episodes() -> None:
+    """Owner, number of actions and why it stopped, from the documents."""
+    episodes = _table("episodes", "id", "document", "owner", "actions", "stop")
+    steps = _table("episode_steps", "episode_id", "position", "document")
+    connection = op.get_bind()
+    for row in connection.execute(sa.select(episodes.c.id, episodes.c.document)).mappings().all():
+        asked = sa.select(steps.c.document).where(steps.c.episode_id == row["id"]).order_by(steps.c.position)
+        records = [json.loads(step)["record"] for step in connection.scalars(asked)]
+        told = {
+            "owner": json.loads(row["document"])["owner"],
+            "actions": sum("action" in record for record in records),
+            "stop": records[-1].get("stop") if records else None,
+        }
+        connection.execute(sa.update(episodes).where(episodes.c.id == row["id"]).values(**told))
+
+
+def _put_aside() -> None:
+    """Who may see an episode, and who undid a change, where that is anything else than what the way up fills in."""
+    episodes, audit = _table("episodes", "uuid", "visibility"), _table("audit", "id", *LINE, "undone_by")
+    connection = op.get_bind()
+    seen = sa.select(episodes).where(episodes.c.visibility != "private")
+    undone = sa.select(audit.c.id, audit.c.undone_by).where(audit.c.undone_by.is_not(None))
+    detail = {
+        "visibility": {row.uuid.hex(): row.visibility for row in connection.execute(seen)},
+        "undone_by": {str(row.id): row.undone_by for row in connection.execute(undone)},
+    }
+    if any(detail.values()):
+        # a line without an object stands in no history
+        line = {"at_us": time.time_ns() // 1000, "what": PUT_ASIDE, "thing_id": None, "detail": json.dumps(detail)}
+        connection.execute(sa.insert(audit).values(**line))
+
+
+def _bring_back() -> None:
+    """What `_put_aside` kept, for the episodes and changes that are still there."""
+    episodes, audit = _table("episodes", "uuid", "visibility"), _table("audit", "id", *LINE, "undone_by")
+    connection = op.get_bind()
+    kept = audit.c.what == PUT_ASIDE
+    for detail in map(json.loads, connection.scalars(sa.select(audit.c.detail).where(kept).order_by(audit.c.id)).all()):
+        for uuid, visibility in detail["visibility"].items():
+            that = episodes.c.uuid == bytes.fromhex(uuid)
+            connection.execute(sa.update(episodes).where(that).values(visibility=visibility))
+        for row, who in detail["undone_by"].items():
+            connection.execute(sa.update(audit).where(audit.c.id == int(row)).values(undone_by=who))
+    connection.execute(sa.delete(audit).where(kept))
+
+
+def _table(name: str, *columns: str) -> sa.TableClause:
+    return sa.table(name, *(sa.column(column) for column in columns))
 
 
 def _known_properties_up() -> None:
@@ -67,8 +123,7 @@ def _known_properties_up() -> None:
 
 def _fill() -> None:
     """Sources that were not stated, or twice the same, get names of their own; labels come from the documents."""
-    names = ("id", "thing_id", "property", "source", "label", "document")
-    known = sa.table("thing_properties", *(sa.column(name) for name in names))
+    known = _table("thing_properties", "id", "thing_id", "property", "source", "label", "document")
     connection, taken = op.get_bind(), set[tuple[int, str, str]]()
     for row in connection.execute(sa.select(known).order_by(known.c.id)).mappings().all():
         source = row["source"] or NOT_STATED

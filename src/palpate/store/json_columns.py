@@ -1,0 +1,34 @@
+"""Conditions on columns that hold JSON as text, the same for each database."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sqlalchemy import Boolean, ColumnElement, String, bindparam
+from sqlalchemy.ext.compiler import compiles
+from sqlalchemy.sql.compiler import SQLCompiler
+from sqlalchemy.sql.functions import FunctionElement
+
+__all__ = ["HoldsText"]
+
+
+class HoldsText(FunctionElement[bool]):
+    """Whether a list of texts holds this one, letter by letter."""
+
+    type = Boolean()
+    inherit_cache = True
+
+    def __init__(self, column: ColumnElement[str], text: str) -> None:
+        super().__init__(column, bindparam(None, text, type_=String()))
+
+
+@compiles(HoldsText, "sqlite")
+def _sqlite(element: HoldsText, compiler: SQLCompiler, **options: Any) -> str:
+    column, text = (compiler.process(part, **options) for part in element.clauses)
+    return f"EXISTS (SELECT 1 FROM json_each({column}) AS each WHERE each.value = {text})"
+
+
+@compiles(HoldsText, "postgresql")
+def _postgresql(element: HoldsText, compiler: SQLCompiler, **options: Any) -> str:
+    column, text = (compiler.process(part, **options) for part in element.clauses)
+    return f"(CAST({column} AS jsonb) ? {text})"
