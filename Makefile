@@ -57,8 +57,8 @@ bench: $(VENV)/bench.stamp
 lock: $(VENV)/run.stamp
 	@$(PIP) install uv
 	@$(LOCK) --upgrade pyproject.toml --group dev -o requirements/dev.txt
-	@$(LOCK) pyproject.toml --group build -c requirements/dev.txt -o requirements/run.txt
-	@$(LOCK) pyproject.toml --group build --group bench -c requirements/dev.txt -o requirements/bench.txt
+	@$(LOCK) pyproject.toml --group build --extra store -c requirements/dev.txt -o requirements/run.txt
+	@$(LOCK) pyproject.toml --group build --group bench --extra store -c requirements/dev.txt -o requirements/bench.txt
 
 clean:
 	rm -rf $(VENV) build dist docs/_build docs/api/generated .benchmarks .hypothesis \

@@ -11,6 +11,8 @@ from palpate.store.archive import export_archive
 from palpate.store.importing.items import Fate, Outcome
 from palpate.store.importing.report import Report
 from palpate.store.opening import open_store
+from tests.store.importing.bags.made import HEAD, ns, write_mcap
+from tests.store.importing.bags.made import number as numbered
 from tests.store.importing.test_uploads import labels, upload
 from tests.store.made_up import squeeze
 
@@ -70,7 +72,7 @@ def test_a_column_map_is_given(run: Any, tmp_path: Path, place: Path) -> None:
     (tmp_path / "a.csv").write_text("force\n1\n2\n")
     columns = tmp_path / "columns.toml"
     columns.write_text("action = 'squeezing'\n[channels.force]\n[object]\ndataset = 'a'\n")
-    assert "expected one of id, column and pattern" in run("store", "import", tmp_path, "--columns", columns).refused
+    assert "found none of id, column and pattern" in run("store", "import", tmp_path, "--columns", columns).refused
     assert not place.exists()
     columns.write_text(columns.read_text() + "id = 'b'\n")
     done = run("store", "import", tmp_path / "a.csv", "--columns", columns)
@@ -159,3 +161,31 @@ def test_a_bar_is_shown_in_a_terminal_only(monkeypatch: pytest.MonkeyPatch, caps
     assert printed.out == ""
     assert "Importing" in printed.err
     assert "1/3" in printed.err
+
+
+@pytest.mark.parametrize("form", ["parquet", "hugging-face", "lerobot"])
+def test_an_export_for_others_is_known_as_such(run: Any, tmp_path: Path, place: Path, form: str) -> None:
+    """It is said once what it is and what to import in its place; the tables in it are known too."""
+    with open_store(place) as store:
+        store.put(squeeze(1, visibility="public", owner="x", licence="MIT"))
+    exported = tmp_path / "exported"
+    assert run("store", "export", exported, "--format", form).code == 0
+    told = "is an export for others, which does not hold all that recordings are: import an archive"
+    for path in (exported, next(exported.rglob("data/**/*.parquet"))):
+        done = run("store", "import", path)
+        first, counts = done.out.splitlines()
+        assert first.startswith(f"skipped: {path}: {told}")
+        assert counts == "0 new, 0 there already, 0 refused, 1 skipped"
+
+
+def test_a_cut_bag_is_told_once(run: Any, tmp_path: Path) -> None:
+    """The name of a single file stands once before what is odd about it, or wrong with it."""
+    whole = write_mcap(tmp_path / "whole.mcap", [("/n", ns(i), numbered(i)) for i in range(200)], chunk_size=400)
+    bytes_of = whole.read_bytes()
+    topics = tmp_path / "topics.toml"
+    topics.write_text(HEAD + '[topics."/n".series.s]\nx = {field = "data"}\n')
+    for size in (300, len(bytes_of) // 2):
+        (tmp_path / "cut.mcap").write_bytes(bytes_of[:size])
+        lines = run("store", "import", tmp_path / "cut.mcap", "--topics", topics, "-v").out.splitlines()
+        (line,) = [line for line in lines if "ends" in line]
+        assert line.count("cut.mcap") == 1

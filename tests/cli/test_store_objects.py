@@ -57,6 +57,14 @@ def test_an_object_is_described_and_shown(run: Any, place: Path, tmp_path: Path)
     assert "coffee mug" in run("store", "objects").out
 
 
+def test_a_setup_that_measured_much_is_told_once(run: Any, place: Path) -> None:
+    """Devices stand in the first row of those that they measured."""
+    with open_store(place) as store:
+        store.put(squeeze(7, thing=ThingRef("ycb", "mug"), entries=(Value("mass", 1.0, unit="g"),)))
+    shown = " ".join(run("store", "object", "show", "mug").out.split())
+    assert "elasticity gripper two_finger 1 40.0 kPa mass the same 1 1.00 g" in shown
+
+
 def test_changes_are_taken_back(run: Any, place: Path) -> None:
     """Undoing takes back what is known, a merge, and in the end has nothing left."""
     run("store", "object", "know", "mug", "mass", "118 g", "--source", "scale")

@@ -168,6 +168,7 @@ def test_ids_in_a_pipe_are_whole(run: Any, place: Path) -> None:
     """What a program reads has ids that hold for ever, and a row is a line."""
     lines = [line for line in run("store", "list").out.splitlines() if "squeezing" in line]
     assert [len(line.split()[0]) for line in lines] == [36, 36, 36]
+    assert "elasticity 42.0 ± 10.0 kPa; material foam 0.60, cloth 0.20, ..." in lines[2]
 
 
 def test_a_setup_is_found_by_the_beginning_of_its_digest(terminal: Any, run: Any, place: Path) -> None:

@@ -25,7 +25,12 @@ def wanted(file: str) -> set[str]:
     """Names of what pyproject.toml asks for in the environment of a lock file."""
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     groups = settings["dependency-groups"]
-    lists = [settings["project"]["dependencies"], groups["build"]]
+    # the commands of the README, those of the store among them, run after `make explore`
+    lists = [
+        settings["project"]["dependencies"],
+        settings["project"]["optional-dependencies"]["store"],
+        groups["build"],
+    ]
     lists += [groups["docs"], groups["dev"]] if file == "dev.txt" else []
     lists += [groups["bench"]] if file == "bench.txt" else []
     texts = [entry for entries in lists for entry in entries if isinstance(entry, str)]

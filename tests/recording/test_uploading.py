@@ -223,6 +223,17 @@ def test_one_recording_that_fails_keeps_no_other_from_going(spool: Spool, error:
     assert len(stub.kept) == 3
 
 
+def test_one_recording_that_fails_is_tried_less_and_less_often(spool: Spool) -> None:
+    """What fails again and again has longer and longer waits of its own; what is new does not wait with it."""
+    stub = Stub(RuntimeError("a bug"))
+    with uploading(spool, stub, every_s=0.01, back_off=BackOff(first_s=60.0)) as uploader:
+        wait_for(lambda: len(spool.waiting()) == 1)
+        spool.add(squeeze(action="weighing"))
+        wait_for(lambda: len(stub.kept) == 2)
+        assert str(uploader.error) == "a bug"
+    assert stub.calls == 3
+
+
 def test_a_spool_that_cannot_be_listed_does_not_end_the_thread(spool: Spool, monkeypatch: pytest.MonkeyPatch) -> None:
     """The thread goes on after any error of a whole pass."""
     listed, broken = spool.waiting, [ValueError("a bug"), OSError("unplugged")]

@@ -1,4 +1,4 @@
-"""Objects x properties, and devices with their calibrations, in the terminal."""
+"""Objects x properties, devices with their calibrations, and units of properties, in the terminal."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from palpate.figures.wording import number
 if TYPE_CHECKING:
     from palpate.store.calibrations import KnownDevice
     from palpate.store.summary import Cell
+    from palpate.store.units import PropertyUnit
 
-__all__ = ["cell_words", "cells_table", "devices_table"]
+__all__ = ["cell_words", "cells_table", "devices_table", "units_table"]
 
 
 def cells_table(cells: Sequence[Cell]) -> Table:
@@ -51,4 +52,14 @@ def devices_table(found: Sequence[KnownDevice]) -> Table:
         table.add_row(
             device.kind, device.name, device.maker or "", device.calibrated_on or "not stated", told, str(count)
         )
+    return table
+
+
+def units_table(found: Sequence[PropertyUnit]) -> Table:
+    """A row for each property."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for name in ("property", "unit", "results", "do not count"):
+        table.add_column(name, overflow="fold")
+    for one in found:
+        table.add_row(one.name, one.unit, str(one.results), str(one.wrong or ""))
     return table

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from palpate.cli.progress_view import timed
@@ -43,7 +44,8 @@ def bar(counted: Callable[[], int]) -> Iterator[Callable[[], None]]:
 def outcome_lines(outcome: Outcome) -> Iterator[str]:
     """The decisions on how a file was read."""
     for notice in () if outcome.recording is None else outcome.recording.notices:
-        yield _printable(f"{outcome.source}: {notice}")
+        # of a single file, a notice may begin with the name of it
+        yield _printable(f"{outcome.source}: {notice.removeprefix(f'{Path(outcome.source).name} ')}")
 
 
 def report_lines(report: Report) -> Iterator[str]:

@@ -73,16 +73,16 @@ def _description(thing: Thing) -> Iterator[str]:
 
 
 def _measured_table(measured: Sequence[Measured]) -> Table:
-    table = _table("measured", "by", "results", "mean", "labels")
+    table, before = _table("measured", "by", "results", "mean", "labels"), None
     for one in measured:
         failed = f", {one.failed} failed" if one.failed else ""
         spread = "" if one.sd is None else f" ± {number(one.sd)}"
         mean = "" if one.mean is None else f"{number(one.mean)}{spread} {one.unit}"
         ranked = sorted(one.labels.items(), key=lambda item: (-item[1], item[0]))
         labels = ", ".join(f"{label} {count}" for label, count in ranked)
-        table.add_row(
-            one.property or "(whole measurement)", _devices(one.setup), f"{one.results}{failed}", mean, labels
-        )
+        # what many devices measured would be folded into a list of them in each row
+        by, before = "the same" if one.setup == before else _devices(one.setup), one.setup
+        table.add_row(one.property or "(whole measurement)", by, f"{one.results}{failed}", mean, labels)
     return table
 
 

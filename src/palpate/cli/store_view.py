@@ -81,7 +81,8 @@ def page_table(page: Page, *, whole: bool = True) -> Table:
     table.columns[0].no_wrap = True
     for row in page.rows:
         moment = f"{row.recorded_at:%Y-%m-%d %H:%M:%S}"
-        results = "\n".join(map(entry_words, row.entries))
+        # where ids are whole a row is a line, for whatever reads it
+        results = ("; " if whole else "\n").join(map(entry_words, row.entries))
         table.add_row(
             write(row.id), moment, row.common_name or row.thing, row.action, results, str(len(row.notices) or "")
         )

@@ -6,6 +6,8 @@ import logging
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
+from time import monotonic
 
 from palpate.client import NotAllowedError, Receiver, UnreachableError
 from palpate.recording.spool import Spool
@@ -15,6 +17,15 @@ from palpate.store.errors import UnavailableError
 __all__ = ["Uploader", "uploading"]
 
 _log = logging.getLogger("palpate.recording")
+
+
+@dataclass(frozen=True)
+class _Failed:
+    """What is wrong with one recording, how often it was tried, and when it is tried again, by the monotonic clock."""
+
+    error: Exception
+    count: int
+    until: float
 
 
 class Uploader:
@@ -34,6 +45,7 @@ class Uploader:
         self._receiver = receiver
         self._every_s = every_s
         self._back_off = back_off or BackOff()
+        self._failed: dict[str, _Failed] = {}
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._run, name="palpate-upload", daemon=True)
 
@@ -51,32 +63,40 @@ class Uploader:
         while not self._stopped.is_set():
             try:
                 self.error = self._pass()
+                failures = 0
             except NotAllowedError as error:
                 # nobody lets it in later who does not now
                 self.error = error
                 _log.error("nothing is sent: %s", error)
                 return
             except UnreachableError as error:
-                self.error = error
+                self.error, failures = error, failures + 1
                 _log.warning("not sent yet: %s", error)
             except Exception as error:
                 # whatever it is: a thread that ended would send nothing any more, and nobody would see it
-                self.error = error
+                self.error, failures = error, failures + 1
                 _log.exception("not sent yet")
-            failures = 0 if self.error is None else failures + 1
             self._stopped.wait(self._back_off.wait_s(failures) if failures else self._every_s)
 
     def _pass(self) -> Exception | None:
-        """Try each recording once, and return the last error that was about one of them."""
-        last = None
+        """Try each recording whose time has come, and return the last error that is about one of them."""
+        waiting = self._spool.waiting()
+        self._failed = {name: failed for name, failed in self._failed.items() if name in waiting}
         # the waits are between passes, where `stop` ends them
-        for name in self._spool.waiting():
+        for name in waiting:
+            before = self._failed.get(name)
             if self._stopped.is_set():
                 break
+            if before is not None and monotonic() < before.until:
+                continue
             error = self._try(name)
-            if error is not None:
-                last = self.error = error
-        return last
+            if error is None:
+                self._failed.pop(name, None)
+            else:
+                self.error = error
+                count = 1 if before is None else before.count + 1
+                self._failed[name] = _Failed(error, count, monotonic() + self._back_off.wait_s(count))
+        return next((failed.error for failed in reversed(self._failed.values())), None)
 
     def _try(self, name: str) -> Exception | None:
         try:

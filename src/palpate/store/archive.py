@@ -1,7 +1,8 @@
 """Palpate's own archive: a folder that holds recordings whole, for exchange and for back-up.
 
 ``manifest.json``
-    Version, count, and the SHA-256 of the other files.
+    Version, counts, the SHA-256 of the other files, the unit that decides the dimension of each property, and the
+    digests of recordings with results in a unit of another one.
 ``recordings.parquet``
     One row for each recording: what was hashed, what it refers to, and its raw signals, compressed.
 ``entries.parquet``
@@ -16,7 +17,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -33,7 +34,10 @@ from palpate.store.content import file_digest, to_json
 from palpate.store.exporting.selection import Selection
 from palpate.store.exporting.writing import Told, Written, export
 from palpate.store.filters import Filter
+from palpate.store.registry import units_in
+from palpate.store.rows import counted, has_wrong_unit
 from palpate.store.store import Store
+from palpate.store.units import deciding_units
 
 if TYPE_CHECKING:
     import pyarrow
@@ -88,14 +92,15 @@ class Archive:
     def write(self, selection: Selection, folder: Path, told: Told) -> Written:
         """Write recordings, results, objects, episodes, blobs and the manifest."""
         kept = FolderBlobs(folder / "blobs")
-        count = _write_recordings(selection, folder, kept, told)
+        units = deciding_units(selection.connection)
+        count, used, wrong = _write_recordings(selection, folder, kept, units, told)
         episodes = episodes_with(selection)
         things = things_with(selection, episodes)
         write_things(selection.connection, things, selection.store.blobs, folder, kept)
         write_episodes(selection.connection, episodes, folder)
         digests = {name: file_digest(folder / name) for name in (*TABLES, *MORE_TABLES)}
         counts = {"recordings": count, "episodes": len(episodes)}
-        manifest = {"format": NAME, "version": VERSION, **counts, "sha256": digests}
+        manifest = {"format": NAME, "version": VERSION, **counts, "units": used, "wrong": wrong, "sha256": digests}
         (folder / MANIFEST).write_text(to_json(manifest) + "\n", encoding="utf-8")
         return Written(count, tuple(_left_out(selection, len(things), len(episodes))))
 
@@ -116,23 +121,28 @@ def _left_out(selection: Selection, things: int, episodes: int) -> Iterator[str]
             yield f"{plural(left, name)} left out ({why})"
 
 
-def _write_recordings(selection: Selection, folder: Path, kept: FolderBlobs, told: Told) -> int:
+def _write_recordings(
+    selection: Selection, folder: Path, kept: FolderBlobs, units: Mapping[str, str], told: Told
+) -> tuple[int, dict[str, str], list[str]]:
+    """How many recordings were written, the units of their properties, and the digests of the wrong ones."""
     from pyarrow.parquet import ParquetWriter
 
-    count, of = 0, selection.count()
+    count, of, used, wrong = 0, selection.count(), dict[str, str](), list[str]()
     with (
         ParquetWriter(folder / RECORDINGS, recordings_schema(), compression="zstd") as heads,
         ParquetWriter(folder / "entries.parquet", entries_schema(), compression="zstd") as entries,
     ):
         for batch in selection.batches():
             _write_rows(heads, recordings_schema(), [recording_row(recording) for recording in batch])
-            rows = [entry_row(recording, entry) for recording in batch for entry in recording.entries]
+            rows = [counted(entry_row(recording, entry), units) for recording in batch for entry in recording.entries]
             _write_rows(entries, entries_schema(), rows)
             for item in (item for recording in batch for item in recording.files):
                 kept.put(item.sha256, item.data)
+            used |= {name: units[name] for recording in batch for _, (name, _) in units_in(recording)}
+            wrong += [recording.digest for recording in batch if has_wrong_unit(recording, units)]
             count += len(batch)
             told(count, of)
-    return count
+    return count, used, wrong
 
 
 def _write_rows(writer: ParquetWriter, columns: pyarrow.Schema, rows: list[dict[str, Any]]) -> None:

@@ -16,8 +16,9 @@ from palpate.store.content import to_json
 from palpate.store.decoding import entry_from
 from palpate.store.filters import Filter, Sort
 from palpate.store.listing import in_order, matching
-from palpate.store.rows import EPOCH, entry_columns
+from palpate.store.rows import EPOCH, counted, entry_columns
 from palpate.store.store import Store
+from palpate.store.units import deciding_units
 
 if TYPE_CHECKING:
     import pyarrow
@@ -50,9 +51,10 @@ def entries_table(
 
     columns = entries_schema()
     with store.engine.connect() as connection:
+        units = deciding_units(connection)
         found = connection.execution_options(yield_per=AT_ONCE).execute(_asked(wanted or Filter(), sort, limit))
         batches = [
-            pyarrow.RecordBatch.from_pylist([line for row in part for line in _lines(row)], schema=columns)
+            pyarrow.RecordBatch.from_pylist([line for row in part for line in _lines(row, units)], schema=columns)
             for part in found.mappings().partitions()
         ]
     return pyarrow.Table.from_batches(batches, schema=columns)
@@ -70,7 +72,7 @@ def _asked(wanted: Filter, sort: Sort | None, limit: int | None) -> Any:
     return in_order(asked, recordings.c[sort.column], recordings.c.id, sort, None)
 
 
-def _lines(row: Mapping[Any, Any]) -> Iterator[dict[str, Any]]:
+def _lines(row: Mapping[Any, Any], units: Mapping[str, str]) -> Iterator[dict[str, Any]]:
     shared = {
         "recording": str(UUID(bytes=row["uuid"])),
         "action": row["action"],
@@ -81,4 +83,4 @@ def _lines(row: Mapping[Any, Any]) -> Iterator[dict[str, Any]]:
         "ground_truth": bool(row["ground_truth"]),
     }
     for entry in json.loads(row["document"])["entries"]:
-        yield {**shared, **entry_columns(entry_from(entry)), "document": to_json(entry)}
+        yield {**shared, **counted(entry_columns(entry_from(entry)), units), "document": to_json(entry)}

@@ -97,6 +97,15 @@ class Statements:
             cursor.execute(_present(len(part) // 2, self._mark), part)
             yield from cursor.fetchall()
 
+    def units(self, cursor: DBAPICursor, names: Sequence[str]) -> dict[str, str]:
+        """Property to the unit that decides its dimension, for those of these names that have one."""
+        found: dict[str, str] = {}
+        for start in range(0, len(names), CHUNK):
+            part = tuple(names[start : start + CHUNK])
+            cursor.execute(f"SELECT name, unit FROM properties WHERE name IN ({_marks(len(part), self._mark)})", part)
+            found.update(cursor.fetchall())
+        return found
+
     def new_ids(self, cursor: DBAPICursor, count: int) -> Sequence[int]:
         """Row numbers for recordings, known before they are inserted, so that all their rows go in at once."""
         if self._is_postgresql:

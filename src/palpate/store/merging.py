@@ -84,7 +84,8 @@ def _below(connection: Connection, thing: int) -> list[int]:
     """What was merged into an object, or into one of those, by merges that hold."""
     things, audit = schema.things, schema.audit
     holds = audit.c.what == MERGED, audit.c.undone_us.is_(None)
-    rows = {(row.dataset, row.name): row.id for row in connection.execute(select(things))}
+    named = select(things.c.id, things.c.dataset, things.c.name)
+    rows = {(row.dataset, row.name): row.id for row in connection.execute(named)}
     merged: dict[int, list[int]] = defaultdict(list)
     for row in connection.execute(select(audit.c.thing_id, audit.c.detail).where(*holds)):
         merged[rows[tuple(json.loads(row.detail)["into"])]].append(row.thing_id)

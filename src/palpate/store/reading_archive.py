@@ -19,7 +19,15 @@ from palpate.store.records import Recording
 if TYPE_CHECKING:
     from pyarrow.parquet import FileMetaData, ParquetFile
 
-__all__ = ["ArchiveRow", "archive_rows", "check_archive", "opened_table", "read_archive", "stated_count"]
+__all__ = [
+    "ArchiveRow",
+    "archive_rows",
+    "check_archive",
+    "opened_table",
+    "read_archive",
+    "stated_count",
+    "stated_units",
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,11 +41,14 @@ class ArchiveRow:
     read
         Reads it; its files stay where they are until they are read. Raises `DamagedError` if it is not what was
         written.
+    is_known_wrong
+        Whether the archive states that a result is in a unit of another dimension than its property's.
     """
 
     id: str
     digest: str
     read: Callable[[], Recording]
+    is_known_wrong: bool
 
 
 def read_archive(folder: Path) -> Iterator[Recording]:
@@ -62,7 +73,7 @@ def archive_rows(folder: Path) -> Iterator[ArchiveRow]:
         As `read_archive`.
     """
     check_archive(folder)
-    path = folder / RECORDINGS
+    path, wrong = folder / RECORDINGS, _manifest(folder).wrong
     with opened_table(path) as table:
         if not table.schema_arrow.equals(recordings_schema()):
             raise StoreError(f"{path}: has other columns, expected those of version {VERSION}")
@@ -71,7 +82,8 @@ def archive_rows(folder: Path) -> Iterator[ArchiveRow]:
         # a group is read at most once, when the first of its recordings is asked for, and forgotten with the last
         whole = cache(partial(_rows, path, metadata, group))
         for place, row in enumerate(_rows(path, metadata, group, ["id", "digest"])):
-            yield ArchiveRow(row["id"], row["digest"], partial(_recording, whole, place, folder))
+            read = partial(_recording, whole, place, folder)
+            yield ArchiveRow(row["id"], row["digest"], read, row["digest"] in wrong)
 
 
 def stated_count(folder: Path) -> int:
@@ -82,7 +94,18 @@ def stated_count(folder: Path) -> int:
     StoreError
         If it is no archive.
     """
-    return _manifest(folder)[1]
+    return _manifest(folder).count
+
+
+def stated_units(folder: Path) -> Mapping[str, str]:
+    """Property to the unit that decides its dimension; none in archives of older versions of the package.
+
+    Raises
+    ------
+    StoreError
+        If it is no archive.
+    """
+    return _manifest(folder).units
 
 
 def check_archive(folder: Path) -> None:
@@ -93,28 +116,43 @@ def check_archive(folder: Path) -> None:
     StoreError, DamagedError
         As `read_archive`.
     """
-    version, _, digests = _manifest(folder)
-    if version != VERSION:
-        raise StoreError(f"{folder / MANIFEST}: version {version!r}, expected {VERSION}: update palpate")
+    manifest = _manifest(folder)
+    if manifest.version != VERSION:
+        raise StoreError(f"{folder / MANIFEST}: version {manifest.version!r}, expected {VERSION}: update palpate")
     for name in MORE_TABLES:
-        if name not in digests and (folder / name).exists():
+        if name not in manifest.digests and (folder / name).exists():
             raise DamagedError(f"{folder / name}: is not among the files of {MANIFEST}")
-    for name, digest in digests.items():
+    for name, digest in manifest.digests.items():
         if not (folder / name).is_file() or file_digest(folder / name) != digest:
             raise DamagedError(f"{folder / name}: is missing or not the file that was written with {MANIFEST}")
 
 
-def _manifest(folder: Path) -> tuple[Any, int, Mapping[str, Any]]:
-    """Version, number of recordings and episodes, and the digest of each table."""
+@dataclass(frozen=True)
+class _Manifest:
+    """What a manifest states; units and wrong ones are not in those of older versions of the package."""
+
+    version: Any
+    count: int
+    digests: Mapping[str, Any]
+    units: Mapping[str, str]
+    wrong: frozenset[str]
+
+
+def _manifest(folder: Path) -> _Manifest:
     path = folder / MANIFEST
     try:
         manifest = json.loads(path.read_text(encoding="utf-8"))
         written = manifest["sha256"]
-        digests = {name: written[name] for name in (*TABLES, *(name for name in MORE_TABLES if name in written))}
-        return manifest["version"], int(manifest["recordings"]) + int(manifest.get("episodes", 0)), digests
+        return _Manifest(
+            version=manifest["version"],
+            count=int(manifest["recordings"]) + int(manifest.get("episodes", 0)),
+            digests={name: written[name] for name in (*TABLES, *(name for name in MORE_TABLES if name in written))},
+            units={str(name): str(unit) for name, unit in manifest.get("units", {}).items()},
+            wrong=frozenset(manifest.get("wrong", ())),
+        )
     except FileNotFoundError:
         raise StoreError(f"{path}: is missing, expected the folder of an archive") from None
-    except (ValueError, TypeError, KeyError, RecursionError):
+    except (AttributeError, ValueError, TypeError, KeyError, RecursionError):
         raise StoreError(f"{path}: cannot be read, expected the manifest of an archive") from None
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections import ChainMap
-from collections.abc import Hashable, Mapping, MutableMapping
+from collections.abc import Hashable, Iterator, Mapping, MutableMapping
 from hashlib import sha256
 from typing import Any
 
@@ -18,7 +18,7 @@ from palpate.store.content import device_plain, setup_plain, to_json
 from palpate.store.entries import Bound, Interval, Value
 from palpate.store.records import Device, Recording, Setup, ThingRef
 
-__all__ = ["Lookup", "NotRememberedError", "Registry", "now_us"]
+__all__ = ["Lookup", "NotRememberedError", "Registry", "now_us", "units_in"]
 
 MEASURED = (Value, Interval, Bound)
 Key = tuple[Hashable, ...]
@@ -27,6 +27,13 @@ Key = tuple[Hashable, ...]
 def now_us() -> int:
     """The present in microseconds since 1970."""
     return time.time_ns() // 1000
+
+
+def units_in(recording: Recording) -> Iterator[tuple[int, tuple[str, str]]]:
+    """Place of each result that has a unit, its property and the unit."""
+    for place, entry in enumerate(recording.entries):
+        if isinstance(entry, MEASURED) and entry.unit is not None:
+            yield place, (entry.property, entry.unit)
 
 
 class NotRememberedError(Exception):
@@ -42,7 +49,6 @@ class Registry:
 
     def __init__(self) -> None:
         self.remembered: MutableMapping[Key, int] = {}
-        self.admitted: set[tuple[str, str]] = set()
 
     def layout(self, layout: str) -> int:
         """The row of a layout of series."""
@@ -56,19 +62,29 @@ class Registry:
         """The row of an object; a description that says more than the one there completes it."""
         return self.remembered.get(_thing_key(thing)) or self._new_thing(thing)
 
-    def admit_units(self, recording: Recording) -> None:
-        """Refuse units of another dimension than a property was first given in; remember those of new properties.
+    def admit_units(self, recording: Recording, known: MutableMapping[str, str], *, is_known_wrong: bool) -> None:
+        """Refuse units of another dimension than their property has; those of new properties decide theirs.
+
+        Parameters
+        ----------
+        known
+            Property to the unit that decides, as the store has it in this transaction: it may have been changed since
+            the last one. What is new is added.
+        is_known_wrong
+            Whether units of another dimension are let in, as these results are known not to count.
 
         Raises
         ------
         StoreError
             Naming the entry.
         """
-        for place, entry in enumerate(recording.entries):
-            if not isinstance(entry, MEASURED) or entry.unit is None:
-                continue
-            if (entry.property, entry.unit) not in self.admitted:
-                self.admit_unit(f"entries[{place}].unit", entry.property, entry.unit)
+        for place, (name, unit) in units_in(recording):
+            where = f"entries[{place}].unit"
+            if name in known:
+                check_unit(where, unit, None if is_known_wrong else known[name])
+            else:
+                self.admit_unit(where, name, unit)
+                known[name] = unit
 
     def _new_layout(self, layout: str) -> int:
         raise NotRememberedError
@@ -97,7 +113,6 @@ class Lookup(Registry):
     def keep(self) -> None:
         """Remember what was found."""
         self.registry.remembered.update(self.found)
-        self.registry.admitted.update(self.admitted)
 
     def _new_layout(self, layout: str) -> int:
         return self._kept(("layout", layout), self._by_digest(schema.layouts, layout, {}))
@@ -114,12 +129,10 @@ class Lookup(Registry):
 
     def admit_unit(self, where: str, name: str, unit: str) -> None:
         """Refuse a unit of another dimension than a property was first given in, and remember that of a new one."""
-        if (name, unit) not in self.registry.admitted:
-            known = self._unit(name)
-            check_unit(where, unit, known)
-            if known is None:
-                self.connection.execute(insert(schema.properties), {"name": name, "unit": unit})
-        self.admitted.add((name, unit))
+        known = self._unit(name)
+        check_unit(where, unit, known)
+        if known is None:
+            self.connection.execute(insert(schema.properties), {"name": name, "unit": unit})
 
     def _unit(self, name: str) -> str | None:
         table = schema.properties.c

@@ -13,9 +13,19 @@ from palpate.store.arrays import pack_bytes, pack_series
 from palpate.store.blobs import Blobs
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
 from palpate.store.records import Recording
-from palpate.store.registry import Registry
+from palpate.store.registry import Registry, units_in
 
-__all__ = ["IN_ROW_BYTES", "Prepared", "entry_columns", "entry_rows", "gripper_of", "microseconds", "prepare"]
+__all__ = [
+    "IN_ROW_BYTES",
+    "Prepared",
+    "counted",
+    "entry_columns",
+    "entry_rows",
+    "gripper_of",
+    "has_wrong_unit",
+    "microseconds",
+    "prepare",
+]
 
 IN_ROW_BYTES = 1 << 16
 """Larger arrays and logs go to the blobs."""
@@ -36,6 +46,7 @@ class Prepared:
     recording: Recording
     log: Row
     series: tuple[Row, ...]
+    is_known_wrong: bool = False
 
     def recording_row(self, row: int, shared: Registry, uploaded_us: int) -> Row:
         """Its row in `recordings`."""
@@ -102,6 +113,25 @@ def entry_rows(recording: Recording, head: Mapping[Any, Any]) -> Iterator[Row]:
     shared = {name: head[name] for name in ("thing_id", "setup_id", "gripper", "recorded_us")}
     for position, entry in enumerate(recording.entries):
         yield {"recording_id": head["id"], "position": position, **entry_columns(entry), **shared}
+
+
+def counted(row: Row, units: Mapping[str, str]) -> Row:
+    """The columns of a result, given the units of properties: one of another dimension than its property's counts not.
+
+    It is kept as it was given, and has no value in SI units, as one whose unit nobody stated.
+    """
+    if row["value_si"] is None or not _is_other(row["property"], row["unit"], units):
+        return row
+    return {**row, "value_si": None, "sd_si": None}
+
+
+def has_wrong_unit(recording: Recording, units: Mapping[str, str]) -> bool:
+    """Whether a result is in a unit of another dimension than its property's."""
+    return any(_is_other(name, unit, units) for _, (name, unit) in units_in(recording))
+
+
+def _is_other(name: str, unit: str, units: Mapping[str, str]) -> bool:
+    return name in units and unit_of(unit).dimension != unit_of(units[name]).dimension
 
 
 def entry_columns(entry: Entry) -> Row:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 from uuid import UUID
 
 from sqlalchemy import Engine, select
@@ -21,8 +22,8 @@ from palpate.store.fetching import fetch
 from palpate.store.inserting import CHUNK, Statements
 from palpate.store.outages import patiently
 from palpate.store.records import Receipt, Recording
-from palpate.store.registry import Lookup, NotRememberedError, Registry, now_us
-from palpate.store.rows import Prepared, entry_rows, prepare
+from palpate.store.registry import Lookup, NotRememberedError, Registry, now_us, units_in
+from palpate.store.rows import Prepared, counted, entry_rows, prepare
 
 __all__ = ["Store"]
 
@@ -76,8 +77,16 @@ class Store:
         """
         return self.put_many([recording])[0]
 
-    def put_many(self, recordings: Iterable[Recording]) -> list[Receipt]:
+    def put_many(self, recordings: Iterable[Recording], *, known_wrong: Collection[str] = ()) -> list[Receipt]:
         """Keep several recordings, all in one transaction or none.
+
+        Parameters
+        ----------
+        recordings
+            What to keep.
+        known_wrong
+            Digests of those whose results may be in a unit of another dimension than their property's: they are kept
+            and do not count (see `palpate.store.units.change_unit`).
 
         Raises
         ------
@@ -88,6 +97,8 @@ class Store:
         for recording in batch:
             check(recording)
         prepared = [prepare(recording, self.blobs) for recording in batch]
+        if known_wrong:
+            prepared = [replace(one, is_known_wrong=one.recording.digest in known_wrong) for one in prepared]
         return self._commit_or_again(prepared, ATTEMPTS)
 
     def known(self, digests: Iterable[str]) -> set[str]:
@@ -171,8 +182,10 @@ class Store:
 
     def _insert(self, cursor: DBAPICursor, shared: Registry, batch: Sequence[Prepared]) -> None:
         uploaded_us = now_us()
+        names = {name for one in batch for _, (name, _) in units_in(one.recording)}
+        units = self._statements.units(cursor, list(names))
         for one in batch:
-            shared.admit_units(one.recording)
+            shared.admit_units(one.recording, units, is_known_wrong=one.is_known_wrong)
         ids = self._statements.new_ids(cursor, len(batch))
         rows = [one.recording_row(row, shared, uploaded_us) for row, one in zip(ids, batch, strict=True)]
         numbered = list(zip(rows, batch, strict=True))
@@ -180,9 +193,14 @@ class Store:
             (schema.recordings, rows),
             (schema.series, [part for row, one in numbered for part in one.series_rows(row["id"], shared)]),
             (schema.files, [part for row, one in numbered for part in one.file_rows(row["id"])]),
-            (schema.entries, [part for row, one in numbered for part in entry_rows(one.recording, row)]),
+            (schema.entries, [part for row, one in numbered for part in _entries(one, row, units)]),
         ):
             self._statements.insert(cursor, table, more)
+
+
+def _entries(one: Prepared, row: Mapping[str, Any], units: Mapping[str, str]) -> Iterator[Mapping[str, Any]]:
+    rows = entry_rows(one.recording, row)
+    return (counted(part, units) for part in rows) if one.is_known_wrong else rows
 
 
 def _check_ids(new: Iterable[Prepared], there: Iterable[UUID]) -> None:

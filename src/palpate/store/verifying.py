@@ -18,8 +18,9 @@ from palpate.store.decoding import Stored, recording_from
 from palpate.store.errors import DamagedError
 from palpate.store.fetching import fetch, id_chunks
 from palpate.store.records import Recording
-from palpate.store.rows import entry_rows, gripper_of, microseconds
+from palpate.store.rows import counted, entry_rows, gripper_of, microseconds
 from palpate.store.store import Store
+from palpate.store.units import deciding_units
 from palpate.store.verifying_episodes import episode_faults, known_faults, mend_episode
 
 __all__ = ["Fault", "repair", "verify"]
@@ -125,13 +126,15 @@ def _recording_faults(connection: Connection, store: Store, ids: Sequence[int]) 
         for row in ids:
             yield from _recording_faults(connection, store, [row])
         return
-    there = _entries_there(connection, ids)
+    there, units = _entries_there(connection, ids), deciding_units(connection)
     heads = {head["id"]: head for head in connection.execute(_heads(ids)).mappings()}
     for row, stored in zip(ids, found, strict=True):
-        yield from _stored_faults(stored, heads[row], there[row])
+        yield from _stored_faults(stored, heads[row], there[row], units)
 
 
-def _stored_faults(stored: Stored, head: Mapping[Any, Any], entries: Sequence[Mapping[str, Any]]) -> Iterator[Fault]:
+def _stored_faults(
+    stored: Stored, head: Mapping[Any, Any], entries: Sequence[Mapping[str, Any]], units: Mapping[str, str]
+) -> Iterator[Fault]:
     where = f"recording {stored.id}"
     try:
         recording = recording_from(stored)
@@ -140,7 +143,7 @@ def _stored_faults(stored: Stored, head: Mapping[Any, Any], entries: Sequence[Ma
         return
     if recording.document != stored.document:
         yield Fault(where, "refers to another object or setup than its content does")
-    elif dict(head) != {**head, **_head_wanted(recording)} or list(entries) != _entries_wanted(recording, head):
+    elif dict(head) != {**head, **_head_wanted(recording)} or list(entries) != _entries_wanted(recording, head, units):
         yield Fault(where, "rows for queries are not those of its content", REINDEX)
 
 
@@ -160,8 +163,8 @@ def _head_wanted(recording: Recording) -> dict[str, Any]:
     }
 
 
-def _entries_wanted(recording: Recording, head: Mapping[Any, Any]) -> list[dict[str, Any]]:
-    return list(entry_rows(recording, {**head, **_head_wanted(recording)}))
+def _entries_wanted(recording: Recording, head: Mapping[Any, Any], units: Mapping[str, str]) -> list[dict[str, Any]]:
+    return [counted(row, units) for row in entry_rows(recording, {**head, **_head_wanted(recording)})]
 
 
 def _entries_there(connection: Connection, ids: Sequence[int]) -> Mapping[int, list[dict[str, Any]]]:
@@ -181,7 +184,7 @@ def _reindex(store: Store, key: UUID) -> None:
         head = connection.execute(_heads([row])).mappings().one()
         connection.execute(update(schema.recordings).where(columns.id == row).values(**_head_wanted(recording)))
         connection.execute(delete(schema.entries).where(schema.entries.c.recording_id == row))
-        entries = _entries_wanted(recording, head)
+        entries = _entries_wanted(recording, head, deciding_units(connection))
         if entries:
             connection.execute(insert(schema.entries), entries)
 

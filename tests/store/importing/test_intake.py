@@ -55,10 +55,10 @@ def test_recordings_go_in_together(local: Store, monkeypatch: pytest.MonkeyPatch
     puts: list[int] = []
     put_many = local.put_many
 
-    def counted(recordings: Any) -> Any:
+    def counted(recordings: Any, **options: Any) -> Any:
         batch = list(recordings)
         puts.append(len(batch))
-        return put_many(batch)
+        return put_many(batch, **options)
 
     monkeypatch.setattr(local, "put_many", counted)
     assert fates(local, Invented(*(squeeze(number) for number in range(450)))) == ["new"] * 450
@@ -117,10 +117,10 @@ def test_large_recordings_are_not_gathered(local: Store, monkeypatch: pytest.Mon
     kept_after = []
     put_many = local.put_many
 
-    def watched(recordings: Any) -> Any:
+    def watched(recordings: Any, **options: Any) -> Any:
         batch = list(recordings)
         kept_after.append(len(batch))
-        return put_many(batch)
+        return put_many(batch, **options)
 
     monkeypatch.setattr(local, "put_many", watched)
     assert fates(local, Invented(*(squeeze(number) for number in range(7)))) == ["new"] * 7

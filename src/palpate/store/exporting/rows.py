@@ -15,19 +15,19 @@ from palpate.store.entries import Distribution, FailedEntry
 from palpate.store.exporting.census import Census
 from palpate.store.exporting.columns import AUDIOS, CHANNELS, ENTRIES, FILES, IMAGES, RECORDINGS, Table
 from palpate.store.records import Channel, FileItem, Pose, Recording
-from palpate.store.rows import entry_columns, gripper_of
+from palpate.store.rows import counted, entry_columns, gripper_of
 
 __all__ = ["object_rows", "rows_of", "setup_rows"]
 
 Row = dict[str, Any]
 
 
-def rows_of(recordings: Sequence[Recording]) -> Mapping[Table, list[Row]]:
-    """The rows of recordings in each table that is about recordings."""
+def rows_of(recordings: Sequence[Recording], units: Mapping[str, str]) -> Mapping[Table, list[Row]]:
+    """The rows of recordings in each table that is about recordings, given the units of the store's properties."""
     found: dict[Table, list[Row]] = {table: [] for table in (RECORDINGS, ENTRIES, CHANNELS, IMAGES, AUDIOS, FILES)}
     for recording in recordings:
         found[RECORDINGS].append(_recording_row(recording))
-        found[ENTRIES] += _entry_rows(recording)
+        found[ENTRIES] += (counted(row, units) for row in _entry_rows(recording))
         found[CHANNELS] += _channel_rows(recording)
         for item in recording.files:
             table, row = _file_row(item)

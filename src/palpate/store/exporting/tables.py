@@ -15,6 +15,7 @@ from palpate.store.exporting.rows import object_rows, rows_of, setup_rows
 from palpate.store.exporting.selection import Selection
 from palpate.store.exporting.shards import SHARD_BYTES, Shard, ShardWriter
 from palpate.store.exporting.writing import Told, Written
+from palpate.store.units import deciding_units
 
 __all__ = ["Tables", "withheld", "write_tables"]
 
@@ -73,8 +74,9 @@ def _write(
             table: stack.enter_context(ShardWriter(table.schema, _drafts(folder, table), shard_bytes))
             for table in TABLES
         }
+        units = deciding_units(selection.connection)
         for batch in selection.batches():
-            for table, rows in rows_of(batch).items():
+            for table, rows in rows_of(batch, units).items():
                 writers[table].write([table.of(rows)])
             done += len(batch)
             told(done, data.census.recordings)

@@ -8,8 +8,9 @@ from pathlib import Path
 
 from palpate.errors import PalpateError
 from palpate.store.errors import UnavailableError
-from palpate.store.importing.items import Fate, Format, HoldsMore, Item, Outcome
+from palpate.store.importing.items import Fate, Format, HoldsMore, Item, Outcome, StatesUnits
 from palpate.store.store import Store
+from palpate.store.units import admit_units
 
 __all__ = ["Found", "count_items", "find"]
 
@@ -37,6 +38,18 @@ class Found:
             yield from self.format.items(self.path)
         except (PalpateError, OSError) as error:
             yield self._refused(error)
+
+    def admit_units(self, store: Store) -> Outcome | None:
+        """Let a store that does not know them take over the units of properties; why it cannot, where it cannot."""
+        if not isinstance(self.format, StatesUnits):
+            return None
+        try:
+            admit_units(store, self.format.units(self.path))
+        except UnavailableError:
+            raise
+        except (PalpateError, OSError) as error:
+            return self._refused(error)
+        return None
 
     def put_more(self, store: Store) -> Iterator[Outcome]:
         """Put what is no recording into a store that has the recordings."""

@@ -7,7 +7,7 @@ from palpate.store.importing.bags.topics import TopicMap
 from palpate.store.importing.butler import ButlerExperiments
 from palpate.store.importing.columns import ColumnMap
 from palpate.store.importing.items import Format
-from palpate.store.importing.own_formats import Archives, RecordingFolders
+from palpate.store.importing.own_formats import Archives, Exports, RecordingFolders
 from palpate.store.importing.squeezes import Squeezes
 from palpate.store.importing.uploads import UploadDictionaries
 
@@ -24,5 +24,5 @@ def all_formats(columns: ColumnMap | None = None, topics: TopicMap | None = None
     topics
         What the topics of bags become; likewise.
     """
-    own = (Archives(), RecordingFolders())
+    own = (Archives(), Exports(), RecordingFolders())
     return (*own, ButlerExperiments(), UploadDictionaries(), Squeezes(columns), Bags(topics))

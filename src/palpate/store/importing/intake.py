@@ -30,6 +30,7 @@ class Read:
     source: str
     recording: Recording
     size_bytes: int
+    is_known_wrong: bool
 
 
 def import_paths(store: Store, paths: Iterable[Path], formats: Sequence[Format]) -> Iterator[Outcome]:
@@ -59,7 +60,7 @@ def import_paths(store: Store, paths: Iterable[Path], formats: Sequence[Format])
     """
     unknown, whole = list[Outcome](), list[Found]()
     used: set[str] = set()
-    for outcome in _taken(store, _items(find(paths, formats), unknown, whole)):
+    for outcome in _taken(store, _items(store, find(paths, formats), unknown, whole)):
         used.update(_files_beside(outcome))
         yield outcome
     for found in whole:
@@ -68,11 +69,17 @@ def import_paths(store: Store, paths: Iterable[Path], formats: Sequence[Format])
     yield from (outcome for outcome in unknown if outcome.source not in used)
 
 
-def _items(found: Iterable[Found | Outcome], unknown: list[Outcome], whole: list[Found]) -> Iterator[Item | Outcome]:
+def _items(
+    store: Store, found: Iterable[Found | Outcome], unknown: list[Outcome], whole: list[Found]
+) -> Iterator[Item | Outcome]:
     """The items of all that was found; put aside what nothing can be made of, and what was read to its end."""
     for one in found:
         if not isinstance(one, Found):
             unknown.append(one)
+            continue
+        refused = one.admit_units(store)
+        if refused is not None:
+            yield refused
             continue
         broken = False
         for item in one.items():
@@ -118,7 +125,7 @@ def _read(item: Item | Outcome, known: Collection[str]) -> Read | Outcome:
         check(recording)
         # this reads its files, so that one that cannot be read is found before anything is put
         recording.digest  # noqa: B018
-        return Read(item.source, recording, _size_bytes(recording))
+        return Read(item.source, recording, _size_bytes(recording), item.is_known_wrong)
     except (PalpateError, OSError, RecursionError) as error:
         return Outcome(item.source, Fate.REFUSED, told(error, item.source))
 
@@ -133,7 +140,8 @@ def _keep(store: Store, batch: Sequence[Read]) -> Iterator[Outcome]:
 def _put(store: Store, batch: Sequence[Read]) -> Iterator[Outcome]:
     """Put recordings at once; where one is refused, each half by itself, so that it does not hold up the others."""
     try:
-        receipts = store.put_many(one.recording for one in batch) if batch else []
+        wrong = {one.recording.digest for one in batch if one.is_known_wrong}
+        receipts = store.put_many([one.recording for one in batch], known_wrong=wrong) if batch else []
     except UnavailableError:
         raise
     except StoreError as error:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
@@ -14,7 +14,7 @@ from palpate.store.records import Recording
 if TYPE_CHECKING:
     from palpate.store.store import Store
 
-__all__ = ["Fate", "Format", "HoldsMore", "Item", "Outcome", "identified"]
+__all__ = ["Fate", "Format", "HoldsMore", "Item", "Outcome", "StatesUnits", "identified"]
 
 
 class Fate(Enum):
@@ -60,11 +60,14 @@ class Item:
         Reads it; raises a `PalpateError` or an `OSError` where there is none.
     digest
         Of the recording, where it can be told without reading it: then one that a store has is not read at all.
+    is_known_wrong
+        Whether its results may be in a unit of another dimension than their property's, see `Store.put_many`.
     """
 
     source: str
     read: Callable[[], Recording]
     digest: str | None = None
+    is_known_wrong: bool = False
 
 
 class Format(Protocol):
@@ -97,6 +100,20 @@ class HoldsMore(Protocol):
         ------
         PalpateError, OSError
             If nothing, or no more, can be read.
+        """
+
+
+@runtime_checkable
+class StatesUnits(Protocol):
+    """A format that says in which units properties are, whichever of its recordings comes first."""
+
+    def units(self, path: Path) -> Mapping[str, str]:
+        """Property to a unit of its dimension.
+
+        Raises
+        ------
+        PalpateError, OSError
+            If nothing can be read.
         """
 
 

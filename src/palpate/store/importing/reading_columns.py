@@ -47,7 +47,9 @@ from __future__ import annotations
 
 import codecs
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
 from datetime import UTC, datetime, tzinfo
 from pathlib import Path
 from zoneinfo import ZoneInfo
@@ -77,6 +79,12 @@ __all__ = ["read_columns"]
 
 ABOUT = ("owner", "licence", "visibility")
 KEYS = ("action", "series", "rate_hz", *ABOUT, "ground_truth", "keep_file")
+NEEDED = {
+    "action": 'what the robot did, as action = "squeezing"',
+    "object": "a table [object] with dataset, and one of id, column and pattern",
+}
+"""Keys that a map cannot do without, and what they say."""
+NONE = np.zeros(0)
 TABLES = ("time", "channels", "results", "object", "recorded", "setup", "csv")
 
 
@@ -101,6 +109,9 @@ def read_columns(path: Path) -> ColumnMap:
 
 
 def _column_map(document: Section) -> ColumnMap:
+    for key, what in NEEDED.items():
+        if key not in document:
+            raise document.error(f"found no {key!r}; expected {what}")
     setup = setup_from_tables(document.section("setup").tables, "setup") if "setup" in document else Setup()
     action = document.text("action")
     if "time" in document and "rate_hz" in document:
@@ -110,7 +121,7 @@ def _column_map(document: Section) -> ColumnMap:
         action=action,
         thing=_thing(document.section("object")),
         series=document.text("series", setup.gripper.name if setup.gripper else action),
-        channels=tuple(_channel(name, part) for name, part in _needed(document, "channels").items()),
+        channels=tuple(_channel(name, part) for name, part in _channels(document).items()),
         recorded=_moment(document.section("recorded")) if "recorded" in document else FileTime(),
         setup=setup,
         results=tuple(_result(name, part) for name, part in document.sections("results").items()),
@@ -122,18 +133,18 @@ def _column_map(document: Section) -> ColumnMap:
     )
 
 
-def _needed(document: Section, key: str) -> Mapping[str, Section]:
-    found = document.sections(key)
+def _channels(document: Section) -> Mapping[str, Section]:
+    found = document.sections("channels")
     if not found:
-        raise document.error(f"found no {key}; expected a table [{key}.NAME] for each of them")
+        raise document.error("found no channels; expected a table [channels.NAME] for each column with samples")
     return found
 
 
 def _thing(section: Section) -> Thing:
     ways = [key for key in ("id", "column", "pattern") if key in section]
     if len(ways) != 1:
-        found = " and ".join(ways) or "none of them"
-        raise section.error(f"found {found}; expected one of id, column and pattern")
+        found = " and ".join(ways) or "none of id, column and pattern"
+        raise section.error(f"found {found}; expected one of them to name the object")
     if ways == ["id"]:
         section.only(("dataset", "id", "maker", "common_name"))
         maker, common_name = (section.text(key) if key in section else None for key in ("maker", "common_name"))
@@ -148,7 +159,8 @@ def _thing(section: Section) -> Thing:
 def _moment(section: Section) -> Moment:
     section.only(("column", "pattern", "format", "zone"))
     if ("column" in section) == ("pattern" in section):
-        raise section.error("expected one of column and pattern")
+        found = "both column and pattern" if "column" in section else "neither column nor pattern"
+        raise section.error(f"found {found}; expected one of them to say when it was recorded")
     form = TimeForm(section.text("format") if "format" in section else None, _zone(section))
     if "column" in section:
         return MomentColumn(section.text("column"), form)
@@ -226,14 +238,27 @@ def _encoding(section: Section) -> str:
 
 
 def _check(found: ColumnMap) -> None:
-    """Refuse what no recording may have, before there is one."""
-    channels = [Channel(one.name, one.quantity, one.unit, np.zeros(0)) for one in found.channels]
-    if found.time is not None:
-        channels.append(Channel("time", "time", found.time.unit, np.zeros(0)))
-    results = tuple(Value(one.property, 0.0, one.sd, one.unit) for one in found.results)
+    """Refuse what no recording may have, before there is one, by the words of the map."""
     thing = found.thing.ref if isinstance(found.thing, NamedThing) else ThingRef("some", "object")
-    moment = datetime(1970, 1, 2, tzinfo=UTC)
-    series = tuple(Series(found.series, (channel,)) for channel in channels[:1])
-    check(Recording(moment, found.action, thing, found.setup, series=series, entries=results, **found.about))
-    for channel in channels:
-        check(Recording(moment, found.action, thing, series=(Series(found.series, (channel,)),)))
+    plain = Recording(datetime(1970, 1, 2, tzinfo=UTC), found.action, thing, found.setup, **found.about)
+    with _told_as("thing", "object"), _told_as("series[0].name", "series"):
+        check(replace(plain, series=(Series(found.series, ()),)))
+    channels = {f"channels.{one.name}": Channel(one.name, one.quantity, one.unit, NONE) for one in found.channels}
+    if found.time is not None:
+        channels["time"] = Channel("time", "time", found.time.unit, NONE)
+    for where, channel in channels.items():
+        with _told_as(f"series[0].{channel.name}", where):
+            check(replace(plain, series=(Series(found.series, (channel,)),)))
+    for one in found.results:
+        with _told_as("entries[0]", f"results.{one.property}"):
+            check(replace(plain, entries=(Value(one.property, 0.0, one.sd, one.unit),)))
+
+
+@contextmanager
+def _told_as(place: str, where: str) -> Iterator[None]:
+    """Let an error about a place in a recording name the place in the map that it comes from."""
+    try:
+        yield
+    except StoreError as error:
+        text = str(error)
+        raise StoreError(where + text.removeprefix(place) if text.startswith(place) else text) from None

@@ -52,7 +52,8 @@ def read_bag(path: str | Path, topics: TopicMap, *, folder: Path | None = None) 
             making = Making(topics, reading, Spill(folder))
             return tuple(_checked(recording) for recording in making.recordings())
     except StoreError as error:
-        raise StoreError(f"{path}: {error}") from error
+        # a bag of a single file has named it already
+        raise StoreError(f"{path}: {str(error).removeprefix(f'{path.name}: ')}") from error
     except OSError as error:
         raise StoreError(f"{path}: cannot be read: {error.strerror or error}") from error
 

@@ -18,6 +18,8 @@ __all__ = ["MAGIC", "McapFile"]
 
 MAGIC = b"\x89MCAP0\r\n"
 LARGEST_RECORD_BYTES = 1 << 30
+NOTHING = "before the first message or in the middle of the first chunk of them, so that none can be read"
+CUT = "a message, or a chunk of messages, that was being written is lost"
 
 
 class McapFile:
@@ -53,10 +55,10 @@ class McapFile:
                         yield packet
             except EndOfFile as error:
                 if is_ended or not messages:
-                    found = "a record is longer than the file" if is_ended else "ends before the first message"
+                    found = "a record is longer than the file" if is_ended else f"ends after {size} bytes, {NOTHING}"
                     raise StoreError(f"{self.path.name}: {found}, expected a whole MCAP file") from error
                 self.notices.append(
-                    f"{self.path.name} ends in the middle, after {messages} messages: what was written before is kept"
+                    f"{self.path.name} ends in the middle, after {messages} messages that are kept: {CUT}"
                 )
 
     def _messages(self, file: Whole) -> Iterator[Packet]:
