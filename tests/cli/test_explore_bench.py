@@ -21,6 +21,8 @@ from palpate.robots.recorded_signals import estimated_again
 from palpate.store.opening import open_store
 from palpate.summary import ContinuousSummary
 
+pytestmark = pytest.mark.usefixtures("drawing")
+
 BENCH = ("--robot", "mujoco", "--seed", 1)
 
 

@@ -16,21 +16,10 @@ if find_spec("mujoco") is None:
 
 from palpate.cli.filming import SIZE
 from palpate.figures import film
-from palpate.robots.mujoco import camera
-from palpate.robots.mujoco.errors import BenchError
-from palpate.robots.mujoco.scene import Scene
+
+pytestmark = pytest.mark.usefixtures("drawing")
 
 BENCH = ("--robot", "mujoco", "--seed", 1, "--policy", "fixed:squeezing", "--steps", 1)
-
-
-@pytest.fixture
-def drawing() -> None:
-    """Skip where nothing can be drawn."""
-    with camera.Camera(Scene(None), (64, 48)) as made:
-        try:
-            made.image()
-        except BenchError as error:
-            pytest.skip(f"no way to draw without a screen: {error}")
 
 
 WIDTH, HEIGHT = (side // 4 for side in SIZE)
@@ -47,7 +36,7 @@ def pictures(path: Path) -> np.ndarray:
     return np.frombuffer(read.stdout, np.uint8).reshape(-1, HEIGHT, WIDTH, 3)
 
 
-def test_a_video_shows_the_scene_and_the_belief(run: Any, tmp_path: Path, drawing: None) -> None:
+def test_a_video_shows_the_scene_and_the_belief(run: Any, tmp_path: Path) -> None:
     """The arm has moved on the left, and the belief has changed on the right, on white."""
     pytest.importorskip("imageio_ffmpeg", reason="videos need the extra video")
     path = tmp_path / "episode.mp4"
@@ -63,9 +52,7 @@ def test_a_video_shows_the_scene_and_the_belief(run: Any, tmp_path: Path, drawin
     assert list(tmp_path.glob(".*")) == []
 
 
-def test_a_video_that_is_cut_off_is_not_kept(
-    run: Any, tmp_path: Path, drawing: None, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_video_that_is_cut_off_is_not_kept(run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """An exploration that breaks leaves no half of a video, and what was there before stays."""
     pytest.importorskip("imageio_ffmpeg", reason="videos need the extra video")
     path = tmp_path / "episode.mp4"
@@ -77,7 +64,7 @@ def test_a_video_that_is_cut_off_is_not_kept(
     assert path.read_text(encoding="utf-8") == "what was there before"
 
 
-def test_a_log_for_rerun_holds_beliefs_images_and_signals(run: Any, tmp_path: Path, drawing: None) -> None:
+def test_a_log_for_rerun_holds_beliefs_images_and_signals(run: Any, tmp_path: Path) -> None:
     """Each state has its probability at each step, each signal its samples, and the scene its pictures."""
     chunk = pytest.importorskip("rerun.chunk", reason="logs for Rerun need the extra rerun")
     path = tmp_path / "episode.rrd"
