@@ -16,6 +16,7 @@ if find_spec("mujoco") is None:
 
 from palpate.cli.filming import SIZE
 from palpate.figures import film
+from palpate.outcomes import Label
 
 pytestmark = pytest.mark.usefixtures("drawing")
 
@@ -52,6 +53,19 @@ def test_a_video_shows_the_scene_and_the_belief(run: Any, tmp_path: Path) -> Non
     assert list(tmp_path.glob(".*")) == []
 
 
+def test_a_video_shows_what_the_camera_saw(run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The image stands in a corner, in a white frame, when it was looked at."""
+    pytest.importorskip("imageio_ffmpeg", reason="videos need the extra video")
+    looks = {"cat-vision": lambda signals: Label("mug")}
+    monkeypatch.setattr("palpate.robots.mujoco.estimates.estimates", lambda network: looks)
+    path = tmp_path / "episode.mp4"
+    assert run("explore", "banana_ycb", "--robot", "mujoco", "--seed", 1, "--video", path).code == 0
+    found = pictures(path)
+    frame = found[:, -42, :53]  # the upper edge of the camera's image
+    assert frame[0].min() < 200
+    assert frame[-1].min() > 200
+
+
 def test_a_video_that_is_cut_off_is_not_kept(run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """An exploration that breaks leaves no half of a video, and what was there before stays."""
     pytest.importorskip("imageio_ffmpeg", reason="videos need the extra video")
@@ -70,6 +84,7 @@ def test_a_log_for_rerun_holds_beliefs_images_and_signals(run: Any, tmp_path: Pa
     path = tmp_path / "episode.rrd"
     ran = run("explore", "soft_yellow_sponge", *BENCH, "--rerun", path)
     assert ran.code == 0, ran.err
+    assert len(chunk.RrdReader(path).blueprints()) == 1
     rows: Counter[str] = Counter()
     for one in chunk.RrdReader(path).stream():
         rows[one.entity_path] += one.num_rows
