@@ -33,6 +33,7 @@ EVERY: tuple[Command, ...] = (
     ("table", "--json"),
     ("curves", "--gripper", "two_finger", "-o", "OUT.npz"),
     ("devices",),
+    ("units",),
     ("objects", "--json"),
     ("objects",),
     ("object", "show", "object0"),
