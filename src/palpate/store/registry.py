@@ -82,11 +82,11 @@ class Registry:
         """
         for place, (name, unit) in units_in(recording):
             where = f"entries[{place}].unit"
-            if name in known:
-                check_unit(where, unit, None if is_known_wrong else known[name])
-            else:
+            if name not in known:
                 self.admit_unit(where, name, unit)
                 known[name] = unit
+            elif unit != known[name] and not is_known_wrong:
+                check_unit(where, unit, known[name])
 
     def _new_layout(self, layout: str) -> int:
         raise NotRememberedError
