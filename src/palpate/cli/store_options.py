@@ -20,9 +20,7 @@ __all__ = ["Place", "Which", "WideOption"]
 
 PLACE, WHICH = "The store", "Which recordings"
 
-WideOption = Annotated[
-    bool, typer.Option("--wide", help="Whole ids also in a terminal, where they are shortened otherwise.")
-]
+WideOption = Annotated[bool, typer.Option("--wide", help="Whole ids in a terminal too.")]
 
 
 @dataclass(frozen=True)
