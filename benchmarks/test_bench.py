@@ -24,10 +24,10 @@ from palpate.robots.mujoco.looking import look
 from palpate.robots.mujoco.noise import QUIET, BenchNoise
 from palpate.robots.mujoco.objects import BenchObject
 from palpate.robots.mujoco.robot import MujocoRobot
-from palpate.robots.mujoco.signals import SqueezeSignals, WeighSignals
 from palpate.robots.mujoco.sound import Substance
 from palpate.robots.mujoco.squeezing import squeeze
 from palpate.robots.mujoco.weighing import weigh
+from palpate.robots.signals import SqueezeSignals, WeighSignals
 
 Fixture = Any  # pytest-benchmark's fixture
 G_M_S2 = 9.80665

@@ -17,6 +17,7 @@ __all__ = [
     "BeliefSummary",
     "CategoricalSummary",
     "ContinuousSummary",
+    "Summary",
     "UnsaidSummary",
     "summarise",
     "summary_from_json",

@@ -97,6 +97,15 @@ def test_bad_recordings_are_refused_with_the_reason(recording: np.ndarray, told:
         impact(np.ones(100), 100)
 
 
+def test_a_knock_that_is_too_loud_is_cut_off() -> None:
+    """Cut off at half of its peak or less a knock is refused; a low and whole one, whose crests are flat, is not."""
+    loud = knock(1.0, np.random.default_rng(5), partials_hz=(300.0,))
+    with pytest.raises(SignalError, match="cut off"):
+        impact(np.clip(loud, -0.1, 0.1), RATE_HZ)
+    low = np.round(knock(1.0, np.random.default_rng(5), partials_hz=(80.0,), noise=0.0) * 128) / 128
+    assert impact(low, RATE_HZ).onset_s == pytest.approx(0.1, abs=0.02)
+
+
 def mel_edges(bands: int) -> np.ndarray:
     low, high = to_mel([50.0, RATE_HZ / 2])
     return from_mel(np.linspace(low, high, bands + 2))

@@ -121,6 +121,27 @@ def test_slip_fails() -> None:
     assert outcome.reason.startswith("slip")
 
 
+@pytest.mark.parametrize("after", [8, 15, 40])
+def test_an_early_slip_is_no_missing_contact(after: int) -> None:
+    """An object that pops out soon after it was touched slipped, and was touched."""
+    rng = np.random.default_rng(9)
+    gap, force = closing(40.0, rng)
+    slips_at = int(np.argmax(gap < WIDTH_MM)) + after
+    force[slips_at:] = rng.normal(0, 0.3, force.size - slips_at)
+    outcome = squeeze(gap, force, Jaws(AREA_MM2, WIDTH_MM)).outcome
+    assert isinstance(outcome, Failed)
+    assert outcome.reason.startswith("slip")
+
+
+def test_noise_is_no_slip() -> None:
+    """Jaws that close on nothing did not lose anything."""
+    rng = np.random.default_rng(10)
+    for _ in range(50):
+        outcome = squeeze(np.linspace(80, 40, 120), rng.normal(0, 0.3, 120), Jaws(AREA_MM2, WIDTH_MM)).outcome
+        assert isinstance(outcome, Failed)
+        assert outcome.reason.startswith("no contact")
+
+
 def test_wrong_calls_are_errors() -> None:
     """Signals of two lengths, tables and areas below zero are errors and no outcomes."""
     with pytest.raises(EstimatorError, match="different lengths"):

@@ -137,6 +137,23 @@ def test_bad_torques_fail_with_the_reason(torque_nm: list[float], told: str) -> 
     assert told in outcome.reason
 
 
+def test_a_step_below_the_resolution_is_no_slip() -> None:
+    """A settling arm without noise steps by less than its sensors can tell; with finer sensors it is a slip."""
+    settling = np.repeat([2.0, 2.0002], 25) + 1e-7 * np.sin(np.arange(50))
+    hold = Hold(settling, np.zeros(50), 0.4)
+    found = weigh([hold], grasp_sd_m=0.0)
+    assert isinstance(found.outcome, Reading)
+    assert found.mass_g == pytest.approx(2000.1 / (0.4 * GRAVITY), rel=1e-6)
+    assert isinstance(weigh([hold], resolution_nm=1e-4).outcome, Failed)
+
+
+def test_a_sensor_of_few_steps_is_not_cut_off() -> None:
+    """Noise that a coarse sensor rounds to three levels still has a mean."""
+    torque = np.round(np.random.default_rng(8).normal(2.0, 0.025, 60) / 0.05) * 0.05
+    assert len(np.unique(torque)) == 3
+    assert isinstance(weigh([Hold(torque, torque - 2.0, 0.4)]).outcome, Reading)
+
+
 def test_wrong_calls_are_errors() -> None:
     """No hold, no lever, no stamps where they are needed, stamps of another length: one sentence each."""
     good = hold(0.2, np.random.default_rng(0))

@@ -22,6 +22,7 @@ class RobotKind(Enum):
 
     SAMPLED = "sampled"
     REPLAY = "replay"
+    MUJOCO = "mujoco"
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Asked:
     network: Annotated[
         str | None,
         typer.Option(
-            help="Shipped network or TOML file (default: household-filled for the sampled robot, else household).",
+            help="Shipped network or TOML file (default: household for a replay, else household-filled).",
             rich_help_panel=LOOP,
         ),
     ] = None
@@ -82,7 +83,10 @@ class Asked:
     ] = None
     robot: Annotated[
         RobotKind,
-        typer.Option(help="Draw outcomes from the sensor models, or replay recorded ones.", rich_help_panel=ROBOT),
+        typer.Option(
+            help="Draw outcomes from the sensor models, replay recorded ones, or measure on the bench in physics.",
+            rich_help_panel=ROBOT,
+        ),
     ] = RobotKind.SAMPLED
     session: Annotated[
         str | None,
@@ -96,6 +100,14 @@ class Asked:
     seed: Annotated[
         int | None, typer.Option(min=0, help="Seed of all chance (default: a new one, shown).", rich_help_panel=ROBOT)
     ] = None
+    noise: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUE",
+            help="A parameter of the bench's sensors and grasps, or none for perfect ones.",
+            rich_help_panel=ROBOT,
+        ),
+    ] = None
     timeout_s: Annotated[
         float | None,
         typer.Option("--timeout", help="Longest time an action may take, in seconds.", rich_help_panel=ROBOT),
@@ -106,6 +118,17 @@ class Asked:
     plot: Annotated[Path | None, typer.Option(help="Draw the episode: .png, .svg or .pdf.", rich_help_panel=OUTPUT)] = (
         None
     )
+    video: Annotated[
+        Path | None,
+        typer.Option(help="Film the bench with the belief beside it, to this .mp4 file.", rich_help_panel=OUTPUT),
+    ] = None
+    viewer: Annotated[
+        bool, typer.Option("--viewer", help="Show the bench in a window of MuJoCo's.", rich_help_panel=OUTPUT)
+    ] = False
+    rerun: Annotated[
+        Path | None,
+        typer.Option(help="Log beliefs, images and signals for Rerun, to this .rrd file.", rich_help_panel=OUTPUT),
+    ] = None
     record: Annotated[
         bool,
         typer.Option(
@@ -124,7 +147,7 @@ class Asked:
     def load(self) -> Network:
         """The network asked for, else the one that suits the robot.
 
-        Outcomes are drawn from household-filled, as three columns of a camera's table in household
+        Outcomes are simulated with household-filled, as three columns of a camera's table in household
         are empty and would tell nothing.
         """
         from palpate.network.reading import load_network

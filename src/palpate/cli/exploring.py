@@ -19,11 +19,13 @@ from palpate.cli.files import check_picture, check_writable, replacing
 from palpate.cli.keeping import Kept, keeping
 from palpate.cli.network_view import object_table
 from palpate.cli.preparing import Ready, prepare
+from palpate.cli.spectators import Audience
 from palpate.cli.step_view import View
 from palpate.cli.store_options import Place
 from palpate.cli.terminal import console
 from palpate.cli.truth_view import truth_table
 from palpate.cli.waiting_view import Waiting
+from palpate.cli.watching import check_watching, watching
 from palpate.episode import EpisodeLog, record_episode
 from palpate.explore import Step, explore
 from palpate.robots.protocol import Robot
@@ -45,18 +47,19 @@ def explore_object(asked: Asked, place: Place) -> None:
         check_picture("--plot", asked.plot)
     if asked.log is not None:
         check_writable("--log", asked.log)
-    with keeping(asked, place, ready) as kept:
-        steps = _explore(asked, ready, kept)
+    check_watching(asked)
+    with ready.using, watching(asked, ready) as audience, keeping(asked, place, ready) as kept:
+        steps = _explore(asked, ready, kept, audience)
     if asked.plot is not None:
         _plot(asked.plot, ready, steps)
 
 
-def _explore(asked: Asked, ready: Ready, kept: Kept) -> list[Step]:
-    """Explore, and keep and print each step."""
+def _explore(asked: Asked, ready: Ready, kept: Kept, audience: Audience) -> list[Step]:
+    """Explore; keep, show and print each step."""
     screen, view, steps = console(), _view(asked, ready), list[Step]()
     log = EpisodeLog(asked.log, ready.prior, ready.about) if asked.log is not None else None
     screen.print(_heading(asked, ready, view, kept.told))
-    with closing(_explored(asked, ready, kept.robot, screen, view)) as exploration:
+    with closing(_explored(asked, ready, kept.robot, audience, screen, view)) as exploration:
         for step in exploration:
             # What was done is kept before it is shown: the screen may be a pipe that is closed.
             if log is not None:
@@ -64,6 +67,7 @@ def _explore(asked: Asked, ready: Ready, kept: Kept) -> list[Step]:
             if kept.episode is not None:
                 kept.episode.write(step)
             steps.append(step)
+            audience.learned(step)
             if step.action is not None:
                 screen.print(view.step(step))
     *taken, last = steps
@@ -109,13 +113,16 @@ class _Announced:
         return action
 
 
-def _explored(asked: Asked, ready: Ready, robot: Robot, screen: Console, view: View) -> Generator[Step]:
+def _explored(
+    asked: Asked, ready: Ready, robot: Robot, audience: Audience, screen: Console, view: View
+) -> Generator[Step]:
     """The steps; what is being done is shown while it lasts."""
     waiting = Waiting()
     with Live(waiting, console=screen, transient=True) as live:
 
         def tell(choice: Choice, action: str) -> None:
             live.update(view.pending(choice, action), refresh=True)
+            audience.chosen(choice, action)
 
         policy = replace(ready.policy, told=waiting.told) if isinstance(ready.policy, LookAhead) else ready.policy
         for step in explore(

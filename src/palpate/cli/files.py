@@ -10,7 +10,7 @@ from pathlib import Path
 
 from palpate.errors import PalpateError, choices
 
-__all__ = ["check_picture", "check_writable", "replacing"]
+__all__ = ["check_ending", "check_picture", "check_writable", "replacing"]
 
 PICTURES = (".png", ".svg", ".pdf")
 
@@ -31,6 +31,13 @@ def check_picture(option: str, path: Path) -> None:
     """Refuse a picture of a kind that cannot be drawn, or where it cannot be written."""
     if path.suffix.lower() not in PICTURES:
         raise PalpateError(f"{option}: {path} has no ending of a picture; {choices(PICTURES)}")
+    check_writable(option, path)
+
+
+def check_ending(option: str, path: Path, ending: str) -> None:
+    """Refuse a file of another kind, or where it cannot be written."""
+    if path.suffix.lower() != ending:
+        raise PalpateError(f"{option}: {path} was found, expected a name that ends in {ending}")
     check_writable(option, path)
 
 

@@ -8,15 +8,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from palpate.cli.asked import Asked, RobotKind
 from palpate.cli.storing import check_installed
 from palpate.network.digest import digest
 from palpate.robots.protocol import Robot
 
 if TYPE_CHECKING:
-    from palpate.cli.asked import Asked
     from palpate.cli.preparing import Ready
     from palpate.cli.store_options import Place
     from palpate.episode.keeping import KeptEpisode
+    from palpate.recording import About
     from palpate.store.records import Setup
 
 __all__ = ["Kept", "keeping"]
@@ -50,17 +51,16 @@ def keeping(asked: Asked, place: Place, ready: Ready) -> Iterator[Kept]:
     from palpate.robots.recorded import RecordedRobot
     from palpate.store.records import ThingRef
 
-    network = ready.prior.network
+    origin = _origin(asked, ready)
     with place.opened(make=True) as store:
-        # what was drawn or replayed must not be taken for a measurement of the object
-        dataset, notice = ("replayed", "replayed from") if asked.replay else ("simulated", "drawn from")
         robot = RecordedRobot(
             ready.robot,
-            network,
+            ready.prior.network,
             store,
-            thing=ThingRef(dataset, ready.about.object or "unnamed"),
-            setup=_setup(asked, ready),
-            notices=[f"{notice} {ready.source}, not measured"],
+            thing=ThingRef(origin.dataset, ready.about.object or "unnamed"),
+            setup=origin.setup,
+            about=origin.about,
+            notices=[origin.notice],
         )
         try:
             yield Kept(robot, KeptEpisode(store, robot, ready.prior, ready.about), repr(store.engine.url))
@@ -69,10 +69,37 @@ def keeping(asked: Asked, place: Place, ready: Ready) -> Iterator[Kept]:
                 print(f"palpate: {trouble}", file=sys.stderr)
 
 
-def _setup(asked: Asked, ready: Ready) -> Setup:
-    """The robot as a device, so that nobody takes it for one that measures."""
+@dataclass(frozen=True)
+class _Origin:
+    """Where outcomes come from, so that nobody takes them for measurements of the real object."""
+
+    dataset: str
+    notice: str
+    setup: Setup
+    about: About | None = None
+
+
+def _origin(asked: Asked, ready: Ready) -> _Origin:
+    if asked.robot is RobotKind.MUJOCO:
+        return _bench_origin(ready)
     from palpate.store.records import Device, Setup
 
-    network = ready.prior.network
-    told = {"source": ready.source} if asked.replay else {"network": network.name, "digest": digest(network)}
-    return Setup(other=(Device("other", f"{ready.about.robot} robot", maker="palpate", parameters=told),))
+    network, replays = ready.prior.network, asked.replay
+    told = {"source": ready.source} if replays else {"network": network.name, "digest": digest(network)}
+    device = Device("other", f"{ready.about.robot} robot", maker="palpate", parameters=told)
+    dataset, verb = ("replayed", "replayed from") if replays else ("simulated", "drawn from")
+    return _Origin(dataset, f"{verb} {ready.source}, not measured", Setup(other=(device,)))
+
+
+def _bench_origin(ready: Ready) -> _Origin:
+    """The bench, which from now on keeps its signals in the recordings."""
+    from palpate.recording import About
+    from palpate.robots.mujoco.recording import bench_setup, engine, keep_in_recording
+    from palpate.robots.mujoco.robot import MujocoRobot
+
+    assert isinstance(ready.robot, MujocoRobot)
+    bench = ready.robot.bench
+    ready.robot.listeners.append(lambda action, signals, outcome: keep_in_recording(bench, signals))
+    about = About(software=f"{About().software}, {engine()}")
+    notice = f"simulated on {ready.source} with seed {ready.about.seed}, not measured"
+    return _Origin("simulated-bench", notice, bench_setup(bench), about)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import secrets
 from collections.abc import Mapping
-from dataclasses import dataclass
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from palpate.cli import options
-from palpate.cli.asked import Asked
+from palpate.cli.asked import Asked, RobotKind
 from palpate.cli.engines import engine_words, prior_belief
 from palpate.cli.replaying import Source, is_in_store, replayed
 from palpate.cli.store_options import Place
@@ -44,6 +45,8 @@ class Ready:
         Where outcomes come from.
     notes
         Decisions taken in recording the session that is replayed.
+    using
+        What the robot holds while it explores, to be let go of afterwards.
     """
 
     prior: Belief
@@ -57,6 +60,7 @@ class Ready:
     about: About
     source: str
     notes: tuple[str, ...] = ()
+    using: AbstractContextManager[object] = field(default_factory=nullcontext)
 
 
 def prepare(asked: Asked, place: Place) -> Ready:
@@ -65,10 +69,7 @@ def prepare(asked: Asked, place: Place) -> Ready:
     _check(asked, place)
     seed = secrets.randbelow(2**32) if asked.seed is None else asked.seed
     of_policy, of_robot = np.random.default_rng(seed).spawn(2)
-    if asked.replay:
-        source = replayed(asked.session, asked.thing, network, place)
-    else:
-        source = _sampled(asked, network, of_robot)
+    source = _source(asked, network, of_robot, place)
     check_robot(network, source.robot)
     objective = options.objective(network, asked.learn or ())
     costs_s = options.costs(network, asked.costs or ())
@@ -85,6 +86,7 @@ def prepare(asked: Asked, place: Place) -> Ready:
         about=_about(asked, source, objective, costs_s, seed if _is_chance(asked, policy) else None),
         source=source.source,
         notes=source.notes,
+        using=source.using,
     )
 
 
@@ -98,6 +100,10 @@ def _check(asked: Asked, place: Place) -> None:
         raise PalpateError(
             f"--policy {asked.policy} looks ahead, which needs --engine exact, and {asked.engine} was found"
         )
+    if asked.robot is not RobotKind.MUJOCO:
+        for option, given in (("--noise", asked.noise), ("--video", asked.video), ("--viewer", asked.viewer)):
+            if given:
+                raise PalpateError(f"{option} is only for --robot mujoco, and the robot is {asked.robot.value}")
     in_store = asked.session is not None and is_in_store(asked.session)
     if (place.place or place.blobs) and not (asked.record or in_store):
         raise PalpateError("--store and --blobs are for --record and --session store, and neither was found")
@@ -130,11 +136,25 @@ def _stopping_words(asked: Asked) -> str:
     return options.stopping_words(asked.stop or (), asked.budget_s, asked.steps)
 
 
-def _sampled(asked: Asked, network: Network, rng: np.random.Generator) -> Source:
-    """The robot that draws, the object it draws for, and from what."""
+def _source(asked: Asked, network: Network, rng: np.random.Generator, place: Place) -> Source:
+    """Who does the actions, as ``--robot`` says."""
+    if asked.replay:
+        return replayed(asked.session, asked.thing, network, place)
     if asked.session is not None:
-        raise PalpateError("--session is only for --robot replay, and the robot is sampled")
+        raise PalpateError(f"--session is only for --robot replay, and the robot is {asked.robot.value}")
     if asked.thing is None:
         raise PalpateError(f"no OBJECT was found; {choices(network.objects)}")
+    if asked.robot is RobotKind.MUJOCO:
+        return _on_bench(asked, asked.thing, network, rng)
     robot = SampledRobot(network, asked.thing, rng)
     return Source(robot, asked.thing, f"the sensor models of the network {network.name}")
+
+
+def _on_bench(asked: Asked, thing: str, network: Network, rng: np.random.Generator) -> Source:
+    """The robot in physics."""
+    from palpate.cli.benching import bench_in_use, bench_robot
+
+    if asked.timeout_s is not None:
+        raise PalpateError("--timeout is not for --robot mujoco: its actions end by themselves")
+    robot = bench_robot(network, thing, asked.noise or (), rng)
+    return Source(robot, thing, "the bench in physics", using=bench_in_use(robot, network))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from palpate.cli.store_options import Place
@@ -22,12 +23,16 @@ STORE, IN_STORE = "store", "store:"
 
 @dataclass(frozen=True)
 class Source:
-    """A robot, the object that its outcomes are of, where they are from, and what was decided about them."""
+    """A robot, the object that its outcomes are of, where they are from, and what was decided about them.
+
+    It is used inside of `using`, which lets go of what the robot holds.
+    """
 
     robot: Robot
     thing: str | None
     source: str
     notes: tuple[str, ...] = ()
+    using: AbstractContextManager[object] = field(default_factory=nullcontext)
 
 
 def replayed(session: str | None, thing: str | None, network: Network, place: Place) -> Source:

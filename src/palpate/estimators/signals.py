@@ -7,10 +7,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from palpate.errors import PalpateError
 
-__all__ = ["EstimatorError", "SignalError", "correlation_factor", "samples", "together"]
+__all__ = ["EstimatorError", "SignalError", "check_clipping", "correlation_factor", "samples", "together"]
 
-CLIPPED = 0.2
-"""Share of the samples at the largest or least value from which a signal that varies counts as cut off there."""
+CLIPPED, LEAST_CLIPPED, RUN = 0.02, 10, 3
+"""A signal is cut off where this share of its samples, and so many, are at one end in runs of so many."""
 
 MOST_ALIKE = 0.98
 
@@ -62,7 +62,7 @@ def samples(name: str, values: ArrayLike, *, at_least: int = 1, may_clip: bool =
     if bad:
         raise SignalError(f"{name}: {bad} of {found.size} samples are not finite")
     if not may_clip:
-        _check_clipping(name, found)
+        check_clipping(name, found)
     return found
 
 
@@ -80,14 +80,38 @@ def together(**signals: NDArray[np.float64]) -> None:
         raise EstimatorError(f"signals of different lengths: {told} samples, expected the same number of each")
 
 
-def _check_clipping(name: str, found: NDArray[np.float64]) -> None:
-    low, high = found.min(), found.max()
-    if low == high:
-        return
+def check_clipping(name: str, values: NDArray[np.float64]) -> None:
+    """Refuse samples, (n,), that are cut off at their largest or least value.
+
+    They are where many rest there, several in a row: noise, and a sensor of few steps, come back at once. Two values
+    alone say nothing of what lies beyond them.
+
+    Raises
+    ------
+    SignalError
+        If they are cut off.
+
+    Examples
+    --------
+    >>> check_clipping("sound", np.clip(np.sin(np.arange(400) / 20), -1.0, 0.9))
+    Traceback (most recent call last):
+    palpate.estimators.signals.SignalError: sound: 14% of the samples are at the largest value 0.9: cut off
+    """
+    low, high = float(values.min()), float(values.max())
     for end, words in ((high, "largest"), (low, "least")):
-        share = float(np.mean(found == end))
-        if share >= CLIPPED and len(np.unique(found)) > 2:
-            raise SignalError(f"{name}: {share:.0%} of the samples are at the {words} value {end:g}: cut off")
+        # equal to the last digit: what settles comes near its end and is not cut off there
+        count = _in_runs(values == end)
+        if count >= max(LEAST_CLIPPED, CLIPPED * values.size) and np.any((values != low) & (values != high)):
+            raise SignalError(
+                f"{name}: {count / values.size:.0%} of the samples are at the {words} value {end:g}: cut off"
+            )
+
+
+def _in_runs(marked: NDArray[np.bool_]) -> int:
+    """How many of the marks stand in runs of `RUN` or more."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], marked, [False]]).astype(np.int8)))
+    lengths = edges[1::2] - edges[::2]
+    return int(lengths[lengths >= RUN].sum())
 
 
 def correlation_factor(residuals: NDArray[np.float64]) -> float:

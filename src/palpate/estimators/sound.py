@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from palpate.estimators.mel import mel_spectrogram
-from palpate.estimators.signals import EstimatorError, SignalError, samples
+from palpate.estimators.signals import EstimatorError, SignalError, check_clipping, samples
 
 __all__ = ["FEATURES", "Impact", "decay_time_s", "features", "impact", "loss_tangent"]
 
@@ -79,8 +79,8 @@ def impact(recording: ArrayLike, rate_hz: float) -> Impact:
     found = samples("recording", recording, at_least=int(LEAST_S * rate_hz))
     if np.ptp(found) == 0:
         raise SignalError(f"recording: all {found.size} samples are {found[0]:g}: silence")
+    check_clipping("recording", found)
     found = found - found.mean()
-    _check_clipping(found)
     frame = int(FRAME_S * rate_hz)
     power = np.mean(found[: found.size // frame * frame].reshape(-1, frame) ** 2, axis=1)
     loudest = int(np.argmax(power))
@@ -208,10 +208,3 @@ def _until_noise(power: NDArray[np.float64], rate_hz: float, noise_rms: float) -
     levels = power[: power.size // frame * frame].reshape(-1, frame).mean(axis=1)
     weak = np.flatnonzero(levels < 2 * noise_rms**2)
     return power[: int(weak[0]) * frame] if weak.size else power
-
-
-def _check_clipping(found: NDArray[np.float64]) -> None:
-    peak = float(np.abs(found).max())
-    share = float(np.mean(np.abs(found) > 0.999 * peak))
-    if share > 0.02 and found.size > 100:
-        raise SignalError(f"recording: {share:.0%} of the samples are at the largest value: cut off")

@@ -26,7 +26,9 @@ LEAST_EXPLAINED = 0.8
 ONSET = 0.1
 """Share of the greatest force at which the jaws touch for certain."""
 DROP = 0.25
-"""The force falls by this share of its greatest value where the object slips."""
+"""The force falls by this share of what it had grown by where the object slips."""
+SLIP_SAMPLES, SLIP_SDS = 5, 6.0
+"""A slip is a fall between so many samples and as many after them, by so many SDs of their means' difference."""
 
 
 @dataclass(frozen=True)
@@ -143,10 +145,10 @@ def _squeezed(gap: NDArray[np.float64], force: NDArray[np.float64], jaws: Jaws) 
     if np.ptp(gap) == 0:
         raise SignalError(f"gap_mm: all {gap.size} samples are {gap[0]:g}: the jaws did not move")
     gap, force = _closing(gap, force)
+    _check_slip(gap, force)
     if _least_modulus_kpa(gap, force, jaws) > jaws.limit_kpa:
         return Squeeze(Above(jaws.limit_kpa, unit="kPa"))
     hinge = fit_hinge(gap, force, gap_sd=jaws.gap_sd_mm, force_sd=jaws.force_sd_n)
-    _check_slip(gap, force, hinge)
     _check_contact(hinge, gap, force)
     explained = hinge.explained(gap, force)
     if explained < LEAST_EXPLAINED:
@@ -195,13 +197,19 @@ def _check_contact(hinge: Hinge, gap: NDArray[np.float64], force: NDArray[np.flo
         raise SignalError("no contact: fewer than three samples are closer than the contact point")
 
 
-def _check_slip(gap: NDArray[np.float64], force: NDArray[np.float64], hinge: Hinge) -> None:
-    """The force must not fall by much while the jaws close."""
-    greatest = np.maximum.accumulate(force)
-    falls = greatest - force
-    worst = int(np.argmax(falls))
-    height = float(greatest[worst]) - hinge.idle_force
-    if falls[worst] > max(DROP * height, 8 * hinge.noise_sd) and height > SURE_SDS * hinge.noise_sd:
+def _check_slip(gap: NDArray[np.float64], force: NDArray[np.float64]) -> None:
+    """The force must not fall by much while the jaws close.
+
+    It is looked for before any line is fitted: after an early slip most samples are without contact, and no line fits.
+    """
+    means = np.lib.stride_tricks.sliding_window_view(force, SLIP_SAMPLES).mean(axis=1)
+    before, after = means[:-SLIP_SAMPLES], means[SLIP_SAMPLES:]
+    if before.size == 0:
+        return
+    worst = int(np.argmax(before - after))
+    fall, height = float(before[worst] - after[worst]), float(before[worst] - means[: worst + 1].min())
+    sure = SLIP_SDS * scatter(force) * (2 / SLIP_SAMPLES) ** 0.5
+    if height > sure and fall > max(DROP * height, sure):
         raise SignalError(
-            f"slip: the force falls by {falls[worst]:.3g} N from {greatest[worst]:.3g} N at {gap[worst]:.3g} mm"
+            f"slip: the force falls by {fall:.3g} N from {before[worst]:.3g} N at {gap[worst + SLIP_SAMPLES]:.3g} mm"
         )

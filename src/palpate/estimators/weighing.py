@@ -22,6 +22,8 @@ GRAVITY_M_S2 = 9.80665
 LEAST_SAMPLES = 5
 LEFT_BY_STEP, STEP_SDS = 0.5, 6.0
 """A hold steps where two levels leave this share of the squares that a line leaves, and differ by so many SDs."""
+RESOLUTION_NM = 0.005
+"""Of a good arm's torque sensors: about a gram at half a metre."""
 BELOW_ZERO_SDS = 4.0
 ROUNDS = 3
 
@@ -78,7 +80,9 @@ class Weighing:
     drift_nm_per_s: dict[str, float] = field(default_factory=dict)
 
 
-def weigh(holds: Sequence[Hold], *, grasp_sd_m: float = 0.006, drifts: bool = False) -> Weighing:
+def weigh(
+    holds: Sequence[Hold], *, grasp_sd_m: float = 0.006, drifts: bool = False, resolution_nm: float = RESOLUTION_NM
+) -> Weighing:
     """Estimate the mass of what is held.
 
     Parameters
@@ -89,6 +93,8 @@ def weigh(holds: Sequence[Hold], *, grasp_sd_m: float = 0.006, drifts: bool = Fa
         SD [m] of the offset of the grasp; 6 mm, that of an even spread over +-10 mm, unless given.
     drifts
         Whether to estimate a drift of each joint, linear in time. The holds then need time stamps.
+    resolution_nm
+        What the torque sensors can tell [Nm]; a step that is smaller is no slip, however little noise there is.
 
     Returns
     -------
@@ -111,7 +117,7 @@ def weigh(holds: Sequence[Hold], *, grasp_sd_m: float = 0.006, drifts: bool = Fa
     if not holds:
         raise EstimatorError("holds: found none, expected one at least")
     try:
-        parts = [_Part.of(place, hold, drifts) for place, hold in enumerate(holds)]
+        parts = [_Part.of(place, hold, drifts, resolution_nm) for place, hold in enumerate(holds)]
         return _solved(parts, grasp_sd_m, drifts)
     except SignalError as error:
         return Weighing(Failed(str(error)))
@@ -130,7 +136,7 @@ class _Part:
     joint: str
 
     @classmethod
-    def of(cls, place: int, hold: Hold, drifts: bool) -> _Part:
+    def of(cls, place: int, hold: Hold, drifts: bool, resolution_nm: float) -> _Part:
         where = f"holds[{place}]"
         if not (np.isfinite(hold.lever_m) and abs(hold.lever_m) > 1e-3):
             raise EstimatorError(f"{where}.lever_m: found {hold.lever_m}, expected a length of a millimetre or more")
@@ -138,7 +144,7 @@ class _Part:
         empty = samples(f"{where}.empty_torque_nm", hold.empty_torque_nm, at_least=LEAST_SAMPLES, may_clip=False)
         if np.ptp(full) == 0.0:
             raise SignalError(f"{where}.torque_nm: all {full.size} samples are {full[0]:g}: the sensor does not answer")
-        _check_steady(f"{where}.torque_nm", full)
+        _check_steady(f"{where}.torque_nm", full, resolution_nm)
         full_s = _stamps(f"{where}.time_s", hold.time_s, full, drifts)
         empty_s = _stamps(f"{where}.empty_time_s", hold.empty_time_s, empty, drifts)
         return cls(full, empty, full_s, empty_s, hold.lever_m, hold.lever_per_offset, hold.joint)
@@ -156,7 +162,7 @@ def _stamps(
     return found
 
 
-def _check_steady(where: str, values: NDArray[np.float64]) -> None:
+def _check_steady(where: str, values: NDArray[np.float64], resolution_nm: float) -> None:
     """Refuse a hold whose level steps: two levels explain it far better than a line does."""
     count = values.size
     if count < 2 * LEAST_SAMPLES:
@@ -171,7 +177,8 @@ def _check_steady(where: str, values: NDArray[np.float64]) -> None:
     of_line = float(np.sum((values - line(np.arange(count))) ** 2))
     step = float(values[before[best] :].mean() - values[: before[best]].mean())
     noise = np.sqrt(max(left, 0.0) / (count - 2))
-    if left < LEFT_BY_STEP * of_line and abs(step) > STEP_SDS * noise / np.sqrt(LEAST_SAMPLES):
+    least = max(STEP_SDS * noise / np.sqrt(LEAST_SAMPLES), resolution_nm)
+    if left < LEFT_BY_STEP * of_line and abs(step) > least:
         raise SignalError(f"{where}: the torque steps by {step:+.3g} Nm while the object is held: it slipped or fell")
 
 

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 from palpate.episode import Episode, LoggedStep
 from palpate.figures.wording import outcome_words
-from palpate.summary import CategoricalSummary, ContinuousSummary
+from palpate.summary import CategoricalSummary, ContinuousSummary, Summary
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["draw_episode"]
+__all__ = ["draw_belief", "draw_episode"]
 
 BEFORE, AFTER, INK = "#b8bcc2", "#1f6f8b", "#22272e"
 COLUMNS = 3
@@ -40,7 +40,7 @@ def draw_episode(episode: Episode, path: str | Path) -> None:
     _draw_gains(figure.add_subplot(grid[0, :]), episode)
     for place, name in enumerate(names):
         axes = figure.add_subplot(grid[1 + place // COLUMNS, place % COLUMNS])
-        _draw_belief(axes, name, episode, legend=place == 0)
+        draw_belief(axes, name, episode.prior[name], episode.posterior[name], legend=place == 0)
     figure.savefig(path, dpi=150)
 
 
@@ -95,8 +95,8 @@ def _title(episode: Episode) -> str:
     return f"{subject} ({episode.network}); {end}"
 
 
-def _draw_belief(axes: Axes, name: str, episode: Episode, *, legend: bool) -> None:
-    before, after = episode.prior[name], episode.posterior[name]
+def draw_belief(axes: Axes, name: str, before: Summary, after: Summary, *, legend: bool) -> None:
+    """Draw what was and what is believed of a property: bars of states, or densities scaled to their maximum."""
     if isinstance(before, CategoricalSummary) and isinstance(after, CategoricalSummary):
         _draw_states(axes, before, after)
         axes.set_title(name, loc="left", fontsize=10)

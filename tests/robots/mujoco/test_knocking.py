@@ -14,6 +14,7 @@ def test_a_knock_is_felt_and_heard(bench) -> None:
     with bench() as made:
         found = knock(made)
     start = round(BEFORE_S * RATE_HZ)
+    assert found.impulse_ns is not None
     assert found.impulse_ns > 0.01
     assert np.all(found.samples[:start] == 0)
     assert np.abs(found.samples).max() == pytest.approx(0.5, abs=1e-4)

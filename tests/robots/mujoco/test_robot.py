@@ -11,7 +11,7 @@ from palpate.outcomes import Failed, Label, Outcome, Posterior, Reading
 from palpate.robots.contract import RobotContract
 from palpate.robots.mujoco.errors import BenchError
 from palpate.robots.mujoco.robot import MujocoRobot
-from palpate.robots.mujoco.signals import ImageSignals, SoundSignals, SqueezeSignals, WeighSignals
+from palpate.robots.signals import ImageSignals, SoundSignals, SqueezeSignals, WeighSignals
 
 NETWORK = load_network("household")
 

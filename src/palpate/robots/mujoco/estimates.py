@@ -17,7 +17,7 @@ from palpate.robots.mujoco import knocking, looking, squeezing, weighing
 from palpate.robots.mujoco.gripper import POSITION_STEP_MM
 from palpate.robots.mujoco.reading import SHIPPED, read_roles
 from palpate.robots.mujoco.repertoire import repertoire
-from palpate.robots.mujoco.signals import ImageSignals, SoundSignals, SqueezeSignals, WeighSignals
+from palpate.robots.signals import ImageSignals, SoundSignals, SqueezeSignals, WeighSignals
 
 __all__ = ["Ears", "Eyes", "Hand", "estimates"]
 

@@ -7,9 +7,12 @@ Stroke, force, speed and mass are those of the instruction manual of the 2F-85 (
 from __future__ import annotations
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
 __all__ = [
     "FORCE_RANGE_N",
+    "NEWTON_PER_AMPERE",
     "PAD_BIT",
     "PAD_FRICTION",
     "PAD_MM",
@@ -21,12 +24,16 @@ __all__ = [
     "STROKE_MM",
     "TIP_BIT",
     "add_gripper",
+    "gap_read_mm",
+    "position_counts",
 ]
 
 STROKE_MM = 85.0
 FORCE_RANGE_N = (20.0, 235.0)
 # The position register runs from 3 (open) to 230 (closed) over the stroke: 85 mm / 230 counts.
 POSITION_STEP_MM = 0.37
+NEWTON_PER_AMPERE = 235.0
+"""Force of the drive by its motor's current: assumed, full force at 1 A."""
 MASS_KG, FINGER_KG = 0.925, 0.08
 PAD_MM = (22.0, 37.5)
 """Width and height of a pad: assumed."""
@@ -38,6 +45,28 @@ PAD_FRICTION = [1.0, 0.01, 0.0001]
 PAD_SOLREF, PAD_SOLIMP = [0.004, 1.0], [0.98, 0.995, 0.001, 0.5, 2.0]
 PAD_BIT, TIP_BIT = 4, 8
 """Bits of `contype`: pads touch only the plates of an object, the tip only what is knocked at."""
+
+
+def position_counts(gap_mm: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The position register at gaps, (n): 0 open.
+
+    Examples
+    --------
+    >>> position_counts(np.array([85.0, 84.0, 0.0]))
+    array([  0,   3, 230])
+    """
+    return np.round((STROKE_MM - gap_mm) / POSITION_STEP_MM).astype(np.int64)
+
+
+def gap_read_mm(gap_mm: NDArray[np.float64], step_mm: float) -> NDArray[np.float64]:
+    """Gaps [mm] as a register of this step [mm] tells them, (n); a step of 0 is none.
+
+    Examples
+    --------
+    >>> gap_read_mm(np.array([85.0, 84.0]), 0.5)
+    array([85., 84.])
+    """
+    return STROKE_MM - np.round((STROKE_MM - gap_mm) / step_mm) * step_mm if step_mm > 0 else gap_mm
 
 
 def add_gripper(spec: mujoco.MjSpec, flange: mujoco.MjsBody) -> None:

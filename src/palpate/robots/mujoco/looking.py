@@ -7,7 +7,7 @@ import numpy as np
 
 from palpate.robots.mujoco.bench import Bench
 from palpate.robots.mujoco.furniture import CAMERA
-from palpate.robots.mujoco.signals import ImageSignals
+from palpate.robots.signals import ImageSignals
 
 __all__ = ["look"]
 

@@ -9,9 +9,9 @@ from palpate.network.properties import CategoricalProperty
 from palpate.robots.mujoco.bench import Bench
 from palpate.robots.mujoco.knocking import knock
 from palpate.robots.mujoco.looking import look
-from palpate.robots.mujoco.signals import Signals
 from palpate.robots.mujoco.squeezing import squeeze
 from palpate.robots.mujoco.weighing import weigh
+from palpate.robots.signals import Signals
 
 __all__ = ["Deed", "repertoire"]
 

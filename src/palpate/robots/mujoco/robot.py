@@ -17,12 +17,14 @@ from palpate.robots.mujoco.errors import BenchError
 from palpate.robots.mujoco.noise import BenchNoise
 from palpate.robots.mujoco.reading import SHIPPED, bench_object, read_roles
 from palpate.robots.mujoco.repertoire import Deed, repertoire
-from palpate.robots.mujoco.signals import Signals
+from palpate.robots.signals import Signals
 
-__all__ = ["Estimate", "MujocoRobot", "Skill"]
+__all__ = ["Estimate", "Listener", "MujocoRobot", "Skill"]
 
 Estimate = Callable[[Any], Outcome]
 """From the signals of a deed to the outcome."""
+Listener = Callable[[str, Signals, Outcome], None]
+"""Is told of an action, its signals and its outcome."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,11 @@ class MujocoRobot:
     record
         Called with action, signals and outcome after each action: to keep the raw signals.
 
+    Attributes
+    ----------
+    listeners
+        All who are called so; others may be added.
+
     Examples
     --------
     ::
@@ -56,11 +63,11 @@ class MujocoRobot:
         self,
         bench: Bench,
         skills: Mapping[str, Skill],
-        record: Callable[[str, Signals, Outcome], None] | None = None,
+        record: Listener | None = None,
     ) -> None:
         self.bench = bench
         self._skills = dict(skills)
-        self._record = record
+        self.listeners: list[Listener] = [] if record is None else [record]
 
     @classmethod
     def of(
@@ -72,7 +79,7 @@ class MujocoRobot:
         noise: BenchNoise | None = None,
         rng: np.random.Generator | None = None,
         path: str | Path = SHIPPED,
-        record: Callable[[str, Signals, Outcome], None] | None = None,
+        record: Listener | None = None,
     ) -> Self:
         """Set up a bench with an object of a network.
 
@@ -122,6 +129,6 @@ class MujocoRobot:
         skill = self._skills[action]
         signals = skill.deed(self.bench)
         outcome = skill.estimate(signals)
-        if self._record:
-            self._record(action, signals, outcome)
+        for listener in self.listeners:
+            listener(action, signals, outcome)
         return outcome

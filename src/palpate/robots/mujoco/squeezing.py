@@ -5,10 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.robots.mujoco.bench import Bench, Mishap
-from palpate.robots.mujoco.gripper import FORCE_RANGE_N, POSITION_STEP_MM, STROKE_MM
+from palpate.robots.mujoco.gripper import (
+    FORCE_RANGE_N,
+    NEWTON_PER_AMPERE,
+    POSITION_STEP_MM,
+    gap_read_mm,
+    position_counts,
+)
 from palpate.robots.mujoco.motion import TICK_S
 from palpate.robots.mujoco.scene import GRAVITY_M_S2
-from palpate.robots.mujoco.signals import SqueezeSignals
+from palpate.robots.signals import SqueezeSignals
 
 __all__ = ["squeeze"]
 
@@ -36,10 +42,15 @@ def squeeze(bench: Bench) -> SqueezeSignals:
     times, gaps, forces = np.array(rows).T
     gain = np.exp(bench.noise.force_gain_sd * bench.rng.standard_normal())
     forces = gain * forces + bench.noise.force_sd_n * bench.rng.standard_normal(len(forces))
-    step = bench.noise.position_step_mm
-    read = STROKE_MM - np.round((STROKE_MM - gaps) / step) * step if step > 0 else gaps
-    counts = np.round((STROKE_MM - gaps) / POSITION_STEP_MM).astype(np.int64)
-    return SqueezeSignals(times, read, forces, counts, bench.thing.contact_area_mm2, float(rest_width))
+    return SqueezeSignals(
+        times,
+        gap_read_mm(gaps, bench.noise.position_step_mm),
+        forces,
+        position_counts(gaps),
+        bench.thing.contact_area_mm2,
+        float(rest_width),
+        forces / NEWTON_PER_AMPERE,
+    )
 
 
 def _close(bench: Bench, slips_at_mm: float) -> list[tuple[float, float, float]]:

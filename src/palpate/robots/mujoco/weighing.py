@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.robots.mujoco.arm import LINKS
 from palpate.robots.mujoco.bench import Bench, Mishap
+from palpate.robots.mujoco.gripper import NEWTON_PER_AMPERE, gap_read_mm, position_counts
 from palpate.robots.mujoco.motion import TICK_S, reach
 from palpate.robots.mujoco.scene import ARM, Scene
-from palpate.robots.mujoco.signals import HoldSignals, WeighSignals
+from palpate.robots.signals import GripperSamples, HoldSignals, WeighSignals
 
 __all__ = ["POSE_M", "SAMPLES", "weigh"]
 
@@ -33,25 +36,73 @@ def weigh(bench: Bench) -> WeighSignals:
     mishap = bench.draw_mishap()
     bench.reset()
     _lift(bench, pose, mishap)
-    gap_before = bench.scene.gap_mm
-    held, held_s = _read(bench, pose, slips_at=SAMPLES // 2 if mishap is Mishap.SLIP else None)
-    joints, levers, per_offset = _levers(bench.scene, pose)
-    offset = bench.rng.normal(0, 1, ARM) * bench.noise.torque_offset_nm
-    drift = bench.rng.normal(0, 1, ARM) * bench.noise.torque_drift_nm_per_s
-    start = empty_s[0]
-    holds = tuple(
-        HoldSignals(
+    held = _read(bench, pose, slips_at=SAMPLES // 2 if mishap is Mishap.SLIP else None)
+    sensors = _Sensors.of(bench, pose, held, empty, empty_s)
+    # what is only kept has noise of its own, so that it does not change what is measured next
+    aside = bench.rng.spawn(1)[0]
+    turned = [abs(lever) >= LEAST_LEVER_M for lever in sensors.lever_m]
+    holds = tuple(sensors.hold(joint, bench.rng) for joint in range(ARM) if turned[joint])
+    others = tuple(sensors.hold(joint, aside) for joint in range(ARM) if not turned[joint])
+    gripper = _gripper(bench, held, aside)
+    first, last = float(gripper.gap_mm[0]), float(gripper.gap_mm[-1])
+    return WeighSignals(holds, (max(first, 0.0), max(last, 0.0)), others, gripper)
+
+
+@dataclass(frozen=True, eq=False)
+class _Held:
+    """What there was to read while a pose was held, free of noise; samples (n,) and (n, 7)."""
+
+    time_s: Vector
+    torque_nm: Vector
+    angle_rad: Vector
+    gap_mm: Vector
+    force_n: Vector
+
+
+@dataclass(frozen=True, eq=False)
+class _Sensors:
+    """The joints' torque sensors in one weighing: what there is to read, and their errors."""
+
+    held: _Held
+    empty_nm: Vector
+    empty_s: Vector
+    lever_m: Vector
+    per_offset: Vector
+    offset_nm: Vector
+    drift_nm_per_s: Vector
+    noise_sd_nm: float
+
+    @classmethod
+    def of(cls, bench: Bench, pose: Vector, held: _Held, empty_nm: Vector, empty_s: Vector) -> _Sensors:
+        """Draw the errors of this weighing."""
+        noise, rng = bench.noise, bench.rng
+        offset = rng.normal(0, 1, ARM) * noise.torque_offset_nm
+        drift = rng.normal(0, 1, ARM) * noise.torque_drift_nm_per_s
+        return cls(held, empty_nm, empty_s, *_levers(bench.scene, pose), offset, drift, noise.torque_sd_nm)
+
+    def hold(self, joint: int, rng: np.random.Generator) -> HoldSignals:
+        """What the sensor of a joint gives."""
+        held = self.held
+        return HoldSignals(
             joint=LINKS[joint].name,
-            torque_nm=_noisy(bench, held[:, joint], offset[joint] + drift[joint] * (held_s - start)),
-            time_s=held_s,
-            empty_torque_nm=_noisy(bench, empty[:, joint], offset[joint] + drift[joint] * (empty_s - start)),
-            empty_time_s=empty_s,
-            lever_m=float(levers[joint]),
-            lever_per_offset=float(per_offset[joint]),
+            torque_nm=self._read(joint, held.torque_nm, held.time_s, rng),
+            time_s=held.time_s,
+            empty_torque_nm=self._read(joint, self.empty_nm, self.empty_s, rng),
+            empty_time_s=self.empty_s,
+            lever_m=float(self.lever_m[joint]),
+            lever_per_offset=float(self.per_offset[joint]),
+            angle_rad=held.angle_rad[:, joint],
         )
-        for joint in joints
-    )
-    return WeighSignals(holds, (max(gap_before, 0.0), max(bench.scene.gap_mm, 0.0)))
+
+    def _read(self, joint: int, torques_nm: Vector, time_s: Vector, rng: np.random.Generator) -> Vector:
+        error_nm = self.offset_nm[joint] + self.drift_nm_per_s[joint] * (time_s - self.empty_s[0])
+        return _noisy(torques_nm[:, joint] + error_nm, self.noise_sd_nm, rng)
+
+
+def _gripper(bench: Bench, held: _Held, rng: np.random.Generator) -> GripperSamples:
+    force_n = _noisy(held.force_n, bench.noise.force_sd_n, rng)
+    read_mm = gap_read_mm(held.gap_mm, bench.noise.position_step_mm)
+    return GripperSamples(held.time_s, read_mm, force_n, position_counts(held.gap_mm), force_n / NEWTON_PER_AMPERE)
 
 
 def _empty_torques(bench: Bench, pose: Vector) -> Vector:
@@ -61,7 +112,7 @@ def _empty_torques(bench: Bench, pose: Vector) -> Vector:
         bench.motion.go(pose)
         bench.motion.set_gap(0.0)
         bench.motion.hold(pose, SETTLE_S)
-        bench.empty_torques_nm, _ = _read(bench, pose, slips_at=None)
+        bench.empty_torques_nm = _read(bench, pose, slips_at=None).torque_nm
     return bench.empty_torques_nm
 
 
@@ -77,28 +128,27 @@ def _lift(bench: Bench, pose: Vector, mishap: Mishap) -> None:
     bench.motion.hold(pose, SETTLE_S)
 
 
-def _read(bench: Bench, pose: Vector, slips_at: int | None) -> tuple[Vector, Vector]:
-    """Torques, (n, 7), and their times while the pose is held with trimmed servos."""
-    torques, times = np.empty((SAMPLES, ARM)), np.empty(SAMPLES)
+def _read(bench: Bench, pose: Vector, slips_at: int | None) -> _Held:
+    """Read all sensors at each tick while the pose is held with trimmed servos."""
+    scene, rows = bench.scene, []
     for count in range(SAMPLES):
         if count == slips_at:
-            bench.scene.set_friction(0.0)
+            scene.set_friction(0.0)
         bench.motion.hold(pose, TICK_S, trim=0.05)
-        torques[count], times[count] = bench.scene.torques_nm, bench.clock_s
-    return torques, times
+        rows.append((bench.clock_s, scene.torques_nm, scene.angles_rad, scene.gap_mm, scene.grip_n))
+    return _Held(*(np.array(column) for column in zip(*rows, strict=True)))
 
 
-def _levers(scene: Scene, pose: Vector) -> tuple[tuple[int, ...], Vector, Vector]:
-    """Joints that a weight turns; for all, levers at the pose and their change with an offset along the pads."""
+def _levers(scene: Scene, pose: Vector) -> tuple[Vector, Vector]:
+    """Levers of all joints at the pose, (7,), and their change with an offset along the pads."""
     placed = scene.at(pose)
     axes, anchors = placed.xaxis[:ARM], placed.xanchor[:ARM]
     site = placed.site("grasp")
     up, along = np.array([0.0, 0.0, 1.0]), site.xmat.reshape(3, 3)[:, 0]
     levers = np.einsum("ij,ij->i", axes, np.cross(site.xpos - anchors, up))
     per_offset = axes @ np.cross(along, up)
-    joints = tuple(joint for joint in range(ARM) if abs(levers[joint]) >= LEAST_LEVER_M)
-    return joints, levers, per_offset
+    return levers, per_offset
 
 
-def _noisy(bench: Bench, torque_nm: Vector, error_nm: Vector) -> Vector:
-    return np.asarray(torque_nm + error_nm + bench.noise.torque_sd_nm * bench.rng.standard_normal(len(torque_nm)))
+def _noisy(values: Vector, noise_sd: float, rng: np.random.Generator) -> Vector:
+    return np.asarray(values + noise_sd * rng.standard_normal(len(values)))

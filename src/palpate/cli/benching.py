@@ -1,0 +1,72 @@
+"""`palpate explore --robot mujoco`: the bench in physics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import fields, replace
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from palpate.cli.options import number_of
+from palpate.errors import PalpateError, choices, near
+from palpate.network.model import Network
+
+if TYPE_CHECKING:
+    from palpate.robots.mujoco.noise import BenchNoise
+    from palpate.robots.mujoco.robot import MujocoRobot
+
+__all__ = ["bench_in_use", "bench_robot", "noise_of"]
+
+NONE = "none"
+
+
+def bench_robot(network: Network, thing: str, noise: Iterable[str], rng: np.random.Generator) -> MujocoRobot:
+    """A robot on the bench with an object of a network on the table; to be closed.
+
+    Parameters
+    ----------
+    noise
+        ``--noise``.
+    """
+    _check_installed()
+    from palpate.robots.mujoco.estimates import estimates
+    from palpate.robots.mujoco.robot import MujocoRobot
+
+    network.object(thing)
+    return MujocoRobot.of(network, thing, estimates(network), noise=noise_of(noise), rng=rng)
+
+
+@contextmanager
+def bench_in_use(robot: MujocoRobot, network: Network) -> Iterator[None]:
+    """Refuse a robot that looks where nothing can be drawn, before anything is done; let go of it afterwards."""
+    with robot:
+        if any(network.action(action).sees_appearance for action in robot.actions()):
+            robot.bench.camera.image()
+        yield
+
+
+def noise_of(texts: Iterable[str]) -> BenchNoise:
+    """``--noise NAME=VALUE`` or ``--noise none``, one after the other."""
+    from palpate.robots.mujoco.noise import QUIET, BenchNoise
+
+    found, names = BenchNoise(), [entry.name for entry in fields(BenchNoise)]
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if text == NONE:
+            found = QUIET
+        elif not equals:
+            raise PalpateError(f"--noise: {text!r} was found, expected NAME=VALUE or {NONE}")
+        elif name not in names:
+            raise PalpateError(f"--noise: unknown name {name!r}{near(name, names)}; {choices(names)}")
+        else:
+            found = replace(found, **{name: number_of(f"--noise {name}", value)})
+    return found
+
+
+def _check_installed() -> None:
+    """Say what is missing where the package was installed without what the bench needs."""
+    if find_spec("mujoco") is None:
+        raise PalpateError('--robot mujoco needs mujoco, which is not installed: pip install "palpate[bench]"')
