@@ -57,6 +57,8 @@ def _sensor(network: Network, sensor: Sensor) -> str:
         parts.append(f"{number(100 * sensor.relative_sd)} %")
     if sensor.offset_sd:
         parts.append(f"shared offset {number(sensor.offset_sd)} {unit}")
+    if sensor.bias:
+        parts.append(f"bias {number(sensor.bias)} {unit}")
     if sensor.low > float("-inf"):
         parts.append(f"saturates below {number(sensor.low)} {unit}")
     if sensor.high < float("inf"):
