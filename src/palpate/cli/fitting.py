@@ -1,4 +1,4 @@
-"""What `palpate network fit` does: data read, a network fitted, scored, written whole and told."""
+"""What `palpate network fit` and `palpate calibrate` do: data read, a network fitted, scored, written and told."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from palpate.cli.fit_options import How, OfStore, Tables
 from palpate.cli.store_options import Place
@@ -21,7 +21,55 @@ if TYPE_CHECKING:
     from palpate.fitting.template import Template
     from palpate.network.model import Network
 
-__all__ = ["From", "columns_of", "fit_network"]
+__all__ = ["All", "DataFrom", "From", "Part", "columns_of", "fit_network"]
+
+
+class DataFrom(Protocol):
+    """Where data are from."""
+
+    def check(self) -> None:
+        """Refuse what cannot be, before anything is done."""
+
+    def read(self, network: Network) -> Data:
+        """Read the data."""
+
+    @property
+    def words(self) -> list[object]:
+        """What was typed; passwords are no part of it."""
+
+
+class Part(Protocol):
+    """What of a network is fitted."""
+
+    @property
+    def command(self) -> tuple[str, ...]:
+        """The command that fits it."""
+
+    def settings(self, network: Network, how: How) -> Settings:
+        """How the network is fitted."""
+
+    def words(self, how: How) -> list[str]:
+        """What was typed."""
+
+
+@dataclass(frozen=True)
+class All:
+    """All of it, but what is kept."""
+
+    @property
+    def command(self) -> tuple[str, ...]:
+        """The command that fits it."""
+        return ("network", "fit")
+
+    def settings(self, network: Network, how: How) -> Settings:
+        """How the network is fitted."""
+        from palpate.fitting.settings import Settings
+
+        return Settings(how.pseudo_count, tuple(how.keep or ()))
+
+    def words(self, how: How) -> list[str]:
+        """What was typed."""
+        return [word for name in how.keep or () for word in ("--keep", name)]
 
 
 @dataclass(frozen=True)
@@ -90,29 +138,30 @@ def columns_of(texts: Sequence[str]) -> Mapping[str, Column]:
     return columns
 
 
-def fit_network(like: str, data_from: From, output: Path, how: How, *, force: bool) -> None:
+def fit_network(like: str, data_from: DataFrom, output: Path, how: How, *, force: bool, part: Part = All()) -> None:
     """Fit, score, write and tell."""
     from palpate import __version__
     from palpate.cli.fit_view import fit_report
     from palpate.cli.terminal import console
     from palpate.fitting.documenting import Provenance, document
     from palpate.fitting.fit import fit
-    from palpate.fitting.settings import Settings
     from palpate.fitting.template import read_template
 
     data_from.check()
     _check_output(output, force=force)
-    settings, folds, moment = Settings(how.pseudo_count, tuple(how.keep or ())), _folds(how.folds), _day(how.date)
-    template = read_template(like)
+    folds, moment, template = _folds(how.folds), _day(how.date), read_template(like)
+    settings = part.settings(template.network, how)
     data = data_from.read(template.network)
     fitted = fit(template, data.specimens, settings)
     if not fitted.estimated:
         raise PalpateError(
-            f"network fit: found {len(data.specimens)} objects that say nothing of the network; expected objects with "
-            "known properties and the states of their parents, or readings of these properties"
+            f"{' '.join(part.command)}: found {len(data.specimens)} objects that say nothing of the network; expected "
+            "objects with known properties and the states of their parents, or readings of these properties"
         )
     scores = _scores(template, data, settings, folds) if folds else {}
-    made = Provenance(like, _command(like, data_from, settings, output), __version__, moment or _last(data))
+    words = ["palpate", *part.command, "--like", like, *data_from.words, "--pseudo-count", f"{how.pseudo_count:g}"]
+    command = shlex.join(str(word) for word in (*words, *part.words(how), "--output", output))
+    made = Provenance(like, command, __version__, moment or _last(data))
     _write(output, document(template, fitted, data, settings, made, output.stem))
     console().print(fit_report(fitted, scores, data))
     print(f"{output}: written")
@@ -170,14 +219,6 @@ def _day(text: str | None) -> str:
 def _last(data: Data) -> str:
     """The day of the last recording."""
     return max((source.last for source in data.sources), default="")[:10]
-
-
-def _command(like: str, data_from: From, settings: Settings, output: Path) -> str:
-    """The command line again; passwords are no part of it."""
-    words: list[object] = ["palpate", "network", "fit", "--like", like, *data_from.words]
-    words += ["--pseudo-count", f"{settings.pseudo_count:g}"]
-    words += [word for name in settings.keep for word in ("--keep", name)]
-    return shlex.join(str(word) for word in (*words, "--output", output))
 
 
 def _shown(place: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -22,6 +23,7 @@ __all__ = ["Provenance", "document"]
 
 Table = dict[str, Any]
 OF_NORMAL = {"sd": "sd", "relative_sd": "relative_sd", "offset_sd": "offset_sd"}
+LIMITS = {"low": "saturates_below", "high": "saturates_above"}
 OF_STUDENT = {"sd": "scale", "relative_sd": "relative_scale", "offset_sd": "offset_sd"}
 
 
@@ -74,7 +76,8 @@ def document(
     """
     head = {"format": template.tables["format"], "name": name}
     tables = {**head, **{key: value for key, value in template.tables.items() if key not in head}}
-    tables["source"] = f"Fitted to {len(data.specimens)} objects; [provenance] says how"
+    what = "Sensors fitted" if fitted.sensors_only else "Fitted"
+    tables["source"] = f"{what} to {len(data.specimens)} objects; [provenance] says how"
     tables["properties"] = {
         key: _property(table, fitted.network, key, fitted.properties.get(key))
         for key, table in template.tables["properties"].items()
@@ -84,10 +87,10 @@ def document(
             key: {**table, "sensor": _sensor(table["sensor"], fitted.network, key, fitted.actions[key])}
             for key, table in template.tables["actions"].items()
         }
-    # the objects of the template are others than those that it was fitted to
-    tables.pop("objects", None)
+    known = tables.pop("objects", {})
     tables["provenance"] = provenance.table(template, data, settings)
-    return tables
+    # the objects of the template are others than those that properties were fitted to
+    return {**tables, "objects": known} if known and fitted.sensors_only else tables
 
 
 # Properties -------------------------------------------------------------------------------------
@@ -148,8 +151,11 @@ def _sensor(table: Mapping[str, Any], network: Network, name: str, part: SensorP
         return dict(table)
     assert isinstance(sensor, NumberSensor)
     keys = OF_NORMAL if isinstance(sensor.noise, NormalNoise) else OF_STUDENT
-    old = {key: value for key, value in table.items() if key not in (*keys.values(), "counts", "source")}
+    own = (*keys.values(), *LIMITS.values(), "bias", "counts", "source")
+    old = {key: value for key, value in table.items() if key not in own}
     new = {key: getattr(sensor, field) for field, key in keys.items() if getattr(sensor, field) > 0}
+    new |= {"bias": sensor.bias} if sensor.bias else {}
+    new |= {key: getattr(sensor, field) for field, key in LIMITS.items() if math.isfinite(getattr(sensor, field))}
     bias = f"mean error {part.bias.value:.3g} +- {part.bias.se:.2g}"
     source = _words(f"{part.readings} readings of {part.objects} objects, {bias}", part.left_out, part.note)
     return {**old, "source": source, **new, "counts": {"objects": part.objects, "readings": part.readings}}
@@ -162,7 +168,8 @@ def _confusion(table: Mapping[str, Any], network: Network, sensor: ConfusionSens
     given = {"outcomes": list(sensor.outcomes), "given": _nested(states, sensor.by_state.tolist())}
     if part.counts is None:
         return {**old, **given}
-    old = {key: value for key, value in old.items() if key not in ("counts", "source")}
+    old = {key: value for key, value in old.items() if key not in ("counts", "source", "repeat_probability")}
+    given |= {"repeat_probability": sensor.repeat_probability} if sensor.repeat_probability else {}
     source = _words(f"{part.readings} labels of {part.objects} objects", (), part.note)
     return {**old, "source": source, **given, "counts": _nested(states, part.counts.tolist())}
 

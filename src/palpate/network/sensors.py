@@ -167,6 +167,17 @@ class Kernel:
         return self._mix(self.noise.cdf((self.centre[:, :, None] - y) / self.scale[:, :, None]))
 
 
+def offset_nodes(offset_sd: float, least: float) -> tuple[Array, Array]:
+    """Values of an offset N(0, offset_sd^2) and their probabilities, fine enough for noise of scale `least`."""
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    panels = int(np.clip(np.ceil(16 * offset_sd / (2 * max(min(least, offset_sd), 1e-9))), 8, 400))
+    edges = np.linspace(-8 * offset_sd, 8 * offset_sd, panels + 1)
+    half = (edges[1] - edges[0]) / 2
+    offsets = ((edges[:-1] + half)[:, None] + half * nodes).ravel()
+    weight = np.exp(-0.5 * (offsets / offset_sd) ** 2) * np.tile(weights * half, panels)
+    return offsets, weight / weight.sum()
+
+
 @dataclass(frozen=True, eq=False)
 class NumberSensor:
     """A sensor of a continuous or derived property that returns a number in its unit.
@@ -215,15 +226,9 @@ class NumberSensor:
 
     def _offset(self, outcomes: Sequence[NumberOutcome], x: Array) -> tuple[Array, Array, Array]:
         """Posterior of the shared offset given x: (log evidence (X,), offsets (X, O), weights (X, O))."""
-        nodes, weights = np.polynomial.legendre.leggauss(8)
-        least = min([self.offset_sd, *(float(self.scale(x, o.sd).min()) for o in outcomes), float(self.scale(x).min())])
-        panels = int(np.clip(np.ceil(16 * self.offset_sd / (2 * max(least, 1e-9))), 8, 400))
-        edges = np.linspace(-8 * self.offset_sd, 8 * self.offset_sd, panels + 1)
-        half = (edges[1] - edges[0]) / 2
-        offsets = ((edges[:-1] + half)[:, None] + half * nodes).ravel()[None, :]
-        z = offsets / self.offset_sd
-        log_weight = -0.5 * z * z + np.log(np.tile(weights * half, panels))[None, :]
-        log_weight = np.broadcast_to(log_weight - special.logsumexp(log_weight), (x.size, offsets.size))
+        least = min([*(float(self.scale(x, o.sd).min()) for o in outcomes), float(self.scale(x).min())])
+        nodes, weight = offset_nodes(self.offset_sd, least)
+        offsets, log_weight = nodes[None, :], np.broadcast_to(np.log(weight), (x.size, nodes.size))
         for outcome in outcomes:
             log_weight = log_weight + self._log_term(outcome, x, (x + self.bias)[:, None] + offsets)
         total = special.logsumexp(log_weight, axis=1)
