@@ -51,6 +51,9 @@ def test_a_bias_is_measured_and_written(run: Any, folder: Path) -> None:
         "0.2 --action weighing --output own.toml"
     )
     assert provenance["data"][0]["items"] == 68
+    score = provenance["held_out"]["action"]["weighing"]
+    assert score["better_by"] > 4 * score["se"] > 0
+    assert (score["objects"], score["than"]) == (17, "template")
     own, before = (load_network(name).actions["squeezing"].sensor for name in ("own.toml", "household"))
     assert vars(own) == vars(before)
 

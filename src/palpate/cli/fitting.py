@@ -161,7 +161,7 @@ def fit_network(like: str, data_from: DataFrom, output: Path, how: How, *, force
     scores = _scores(template, data, settings, folds) if folds else {}
     words = ["palpate", *part.command, "--like", like, *data_from.words, "--pseudo-count", f"{how.pseudo_count:g}"]
     command = shlex.join(str(word) for word in (*words, *part.words(how), "--output", output))
-    made = Provenance(like, command, __version__, moment or _last(data))
+    made = Provenance(like, command, __version__, moment or _last(data), scores)
     _write(output, document(template, fitted, data, settings, made, output.stem))
     console().print(fit_report(fitted, scores, data))
     print(f"{output}: written")

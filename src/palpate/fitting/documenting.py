@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from palpate.fitting.data import Data
 from palpate.fitting.forms import form_of
 from palpate.fitting.parts import Fitted, PropertyPart, SensorPart
+from palpate.fitting.scores import Score
 from palpate.fitting.settings import Settings
 from palpate.fitting.template import PLACEHOLDERS, Template
 from palpate.network.model import Network
@@ -23,6 +24,8 @@ __all__ = ["Provenance", "document"]
 
 Table = dict[str, Any]
 OF_NORMAL = {"sd": "sd", "relative_sd": "relative_sd", "offset_sd": "offset_sd"}
+SCORED = 3
+"""Decimals of scores."""
 LIMITS = {"low": "saturates_below", "high": "saturates_above"}
 OF_STUDENT = {"sd": "scale", "relative_sd": "relative_scale", "offset_sd": "offset_sd"}
 
@@ -39,12 +42,15 @@ class Provenance:
         The command line, and the version of palpate; empty where there was none.
     date
         ISO 8601; empty where nobody said it and the data have none.
+    scores
+        On held-out objects, as `palpate.fitting.scores.held_out_scores` has them.
     """
 
     like: str
     command: str = ""
     version: str = ""
     date: str = ""
+    scores: Mapping[tuple[str, str], Score] = field(default_factory=dict)
 
     def table(self, template: Template, data: Data, settings: Settings) -> Table:
         """The ``provenance`` of the network file."""
@@ -60,8 +66,19 @@ class Provenance:
             "kept": list(settings.keep),
             "data": sources,
             "notices": list(data.notices),
+            "held_out": self._held_out(),
         }
-        return {key: value for key, value in table.items() if value not in ("", [])}
+        return {key: value for key, value in table.items() if value not in ("", [], {})}
+
+    def _held_out(self) -> Table:
+        """Scores by ``property`` or ``action`` and its name [bits per object]; without what is not known."""
+        found: Table = {}
+        for (kind, name), score in self.scores.items():
+            numbers = {"log2_p": score.fitted, "better_by": score.difference, "se": score.se}
+            known = {key: round(value, SCORED) for key, value in numbers.items() if math.isfinite(value)}
+            told = {"than": score.against} if score.against else {}
+            found.setdefault(kind, {})[name] = {**known, **told, "objects": score.objects}
+        return found
 
 
 def document(
