@@ -58,6 +58,7 @@ def test_what_cannot_be_used_is_told() -> None:
     assert data.specimens[0].readings == {}
     told = " | ".join(data.notices)
     assert "weighing: failed, and left out (2 times)" in told
+    assert "weighing: failed 2 of 2 times, at first with: it fell" in told
     assert "unknown label 'pear'" in told
     assert "'licking', which the network has not" in told
 

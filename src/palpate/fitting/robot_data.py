@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 
@@ -14,7 +14,7 @@ from palpate.fitting.errors import FittingError
 from palpate.fitting.gathering import Gathered
 from palpate.network.admission import admit
 from palpate.network.model import KnownObject, Network
-from palpate.outcomes import Label, Likelihood, Outcome, Posterior
+from palpate.outcomes import Failed, Label, Likelihood, Outcome, Posterior
 
 __all__ = ["Measured", "most_probable", "read_outcomes"]
 
@@ -75,17 +75,28 @@ def read_outcomes(
     (120.0, {'weighing': (Reading(value=118.0, sd=None, unit=None),)})
     """
     gathered, lines, things = Gathered(network), list[str](), dict[str, KnownObject]()
+    outcomes: dict[str, list[Outcome]] = {}
     for one in measured:
         if one.thing not in known:
             raise FittingError(f"object {one.thing!r} is not known; {choices(known)}")
         things[one.thing] = known[one.thing]
         lines.append(json.dumps({"object": one.thing, **format_item(one.action, one.outcome)}, sort_keys=True))
+        outcomes.setdefault(one.action, []).append(one.outcome)
         _take(gathered, known[one.thing], one.action, one.outcome)
+    for action, found in outcomes.items():
+        _tell_failures(gathered, action, found)
     hashed = sha256("\n".join(sorted(lines)).encode()).hexdigest()
     for name, thing in things.items():
         truth = {key: true.value for key, true in thing.truth.items() if true.scored and key in network.properties}
         gathered.know(name, truth)
     return gathered.data([Source("robot", source, hashed, len(lines))])
+
+
+def _tell_failures(gathered: Gathered, action: str, outcomes: Sequence[Outcome]) -> None:
+    """Say why an action failed that mostly did: something about it, and not about an object, is wrong."""
+    failed = [outcome for outcome in outcomes if isinstance(outcome, Failed)]
+    if 2 * len(failed) > len(outcomes):
+        gathered.tell(f"{action}: failed {len(failed)} of {len(outcomes)} times, at first with: {failed[0].reason}")
 
 
 def _take(gathered: Gathered, thing: KnownObject, action: str, outcome: Outcome) -> None:
