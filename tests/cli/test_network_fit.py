@@ -150,8 +150,8 @@ def test_the_store_of_the_environment_is_taken(run: Any, lab: Path, monkeypatch:
 
 def test_a_password_stays_secret(monkeypatch: pytest.MonkeyPatch) -> None:
     """The command in the file does not hold the password of a database."""
+    from palpate.cli.fit_data import From
     from palpate.cli.fit_options import OfStore, Tables
-    from palpate.cli.fitting import From
     from palpate.cli.store_options import Place
 
     told = From(Place("postgresql+psycopg://ann:secret@host/lab"), OfStore(), Tables()).words

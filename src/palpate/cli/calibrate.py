@@ -78,7 +78,8 @@ def calibrate(
 ) -> None:
     """Measure known objects many times, and write what the sensors are really like into a network."""
     from palpate.cli.calibrating import OnRobot, SensorsOf
-    from palpate.cli.fitting import DataFrom, From, fit_network
+    from palpate.cli.fit_data import DataFrom, From
+    from palpate.cli.fitting import fit_network
 
     actions = tuple(action or ())
     measured = OnRobot(
