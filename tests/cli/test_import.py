@@ -55,7 +55,7 @@ def test_a_report_is_written(run: Any, given: Path, tmp_path: Path) -> None:
     """The report as JSON has the counts, and each file that was refused or skipped."""
     assert run("store", "import", given, "--report", tmp_path / "report.json").code == 1
     report = json.loads((tmp_path / "report.json").read_text())
-    assert report["counts"] == {"new": 4, "known": 0, "refused": 1, "skipped": 1}
+    assert report["counts"] == {"new": 4, "known": 0, "mended": 0, "refused": 1, "skipped": 1}
     assert report["complete"]
     assert [Path(one["source"]).name for one in report["skipped"]] == ["notes.txt"]
     assert "sum to 0.6" in report["refused"][0]["reason"]

@@ -150,16 +150,9 @@ def test_the_store_of_the_environment_is_taken(run: Any, lab: Path, monkeypatch:
 
 def test_a_password_stays_secret(monkeypatch: pytest.MonkeyPatch) -> None:
     """The command in the file does not hold the password of a database."""
+    from palpate.cli.fit_data import From
     from palpate.cli.fit_options import OfStore, Tables
-    from palpate.cli.fitting import From, _command
     from palpate.cli.store_options import Place
-    from palpate.fitting.settings import Settings
 
-    told = _command(
-        "household",
-        From(Place("postgresql+psycopg://ann:secret@host/lab"), OfStore(), Tables()),
-        Settings(),
-        Path("own.toml"),
-    )
-    assert "postgresql+psycopg://ann:***@host/lab" in told
-    assert "secret" not in told
+    told = From(Place("postgresql+psycopg://ann:secret@host/lab"), OfStore(), Tables()).words
+    assert told == ["--store", "postgresql+psycopg://ann:***@host/lab"]

@@ -9,7 +9,9 @@ from palpate.cli import store as command
 from palpate.cli.store_view import entry_words
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
 from palpate.store.opening import open_store
+from palpate.store.records import FileItem
 from tests.store.made_up import squeeze
+from tests.store.places import damage
 
 
 @pytest.fixture
@@ -76,8 +78,49 @@ def test_verify_and_repair_tell_faults(run: Any, place: Path) -> None:
     with open_store(place) as store, store.engine.begin() as connection:
         connection.exec_driver_sql("DELETE FROM entries WHERE recording_id = 2")
     found = run("store", "verify")
-    assert (found.code, "rows for queries" in found.out) == (1, True)
-    assert run("store", "repair").code == 0
+    assert (found.code, found.out.splitlines()[-1]) == (1, "1 fault; palpate store repair mends 1")
+    mended = run("store", "repair")
+    assert (mended.code, mended.out.splitlines()[-1]) == (0, "1 fault: 1 mended")
+    assert "its content: the rows for queries were made again" in mended.out
+    assert run("store", "verify").code == 0
+
+
+def test_many_faults_of_one_kind_are_counted(run: Any, place: Path) -> None:
+    """Some that are alike are named, the others counted."""
+    with open_store(place) as store:
+        store.put_many([squeeze(number) for number in range(10, 20)])
+        with store.engine.begin() as connection:
+            connection.exec_driver_sql("DELETE FROM entries")
+    lines = run("store", "verify").out.splitlines()
+    assert len(lines) == 7
+    assert lines[-2:] == [
+        "and 9 more of recording: rows for queries are not those of its content",
+        "14 faults; palpate store repair mends 14",
+    ]
+
+
+def test_a_lost_and_a_damaged_file_come_back_by_an_import(run: Any, place: Path, tmp_path: Path) -> None:
+    """One fault each, with what needs it; repair tells what it did and what is left, and an import mends it."""
+    archive, pictures = tmp_path / "archive", [FileItem("cam0", "image/png", b"%d" % number) for number in range(2)]
+    recordings = [squeeze(20 + number, files=(picture,)) for number, picture in enumerate(pictures)]
+    with open_store(place) as store:
+        store.put_many(recordings)
+        assert run("store", "export", archive).code == 0
+        for picture, data in zip(pictures, (None, b"another"), strict=True):
+            damage(store.blobs, picture.sha256, data)
+    refused = run("store", "export", tmp_path / "second").refused
+    assert "export: 2 recordings not as written" in refused
+    left_out = run("store", "export", tmp_path / "second", "--leave-out-damaged").out.splitlines()
+    assert (left_out[0], len(left_out)) == (f"{tmp_path / 'second'}: 4 recordings", 3)
+    found = run("store", "verify").out.splitlines()
+    told = {line.partition(":")[0]: line for line in found[:2]}
+    for picture, recording in zip(pictures, recordings, strict=True):
+        assert told[f"blob {picture.sha256}"].endswith(f"; needed by recording {recording.id}")
+    assert found[2] == "2 faults; palpate store repair sets 1 aside"
+    mended = run("store", "repair")
+    assert (mended.code, mended.out.splitlines()[2]) == (1, "2 faults: 1 set aside, 1 left")
+    again = run("store", "import", archive)
+    assert (again.code, again.out) == (0, "2 mended, 0 new, 4 there already, 0 refused, 0 skipped\n")
     assert run("store", "verify").code == 0
 
 
@@ -108,7 +151,7 @@ def test_entries_in_words(entry: Entry, words: str) -> None:
 def test_every_command_is_there() -> None:
     """The group has its commands, and one object has its own."""
     commands = getattr(typer.main.get_command(command.app), "commands", {})
-    kept = {"show", "list", "verify", "repair", "export", "import"}
+    kept = {"show", "list", "verify", "repair", "export", "import", "units", "unit"}
     assert set(commands) == kept | {"table", "curves", "devices", "objects", "object", "episodes", "episode", "schema"}
     assert set(commands["object"].commands) == {"show", "add", "set", "know", "forget", "merge", "split", "undo"}
 

@@ -1,5 +1,6 @@
 """Fitted networks as files."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,9 @@ from palpate.fitting.template import Template, read_template
 from palpate.network.digest import digest
 from palpate.network.model import Network
 from palpate.network.reading import load_network, read_document
+from palpate.network.sensors import NumberSensor
 from palpate.network.writing import to_toml
-from tests.fitting.made_up import drawn, workshop
+from tests.fitting.made_up import WORKSHOP, drawn, network_of, workshop
 from tests.fitting.test_template import BLANK
 
 MADE = Provenance("workshop.toml", "palpate network fit", "9.9", "2024-05-01")
@@ -51,7 +53,7 @@ def test_the_file_is_the_fitted_network(name: str, tmp_path: Path) -> None:
     assert list(network.actions) == list(found.network.actions)
     for action in network.actions.values():
         assert action.cost_s == template.network.actions[action.name].cost_s
-        for key in ("sd", "relative_sd", "offset_sd", "low", "high", "noise", "outcomes", "repeat_probability"):
+        for key in ("sd", "relative_sd", "offset_sd", "bias", "low", "high", "noise", "outcomes", "repeat_probability"):
             assert getattr(action.sensor, key, None) == getattr(found.network.actions[action.name].sensor, key, None)
     assert not network.objects
 
@@ -117,3 +119,26 @@ def test_a_fit_can_be_a_template(tmp_path: Path) -> None:
     path.write_text(to_toml(tables), encoding="utf-8")
     assert digest(load_network(path)) == digest(load_network(file))
     assert tables["properties"]["kind"]["counts"] == read_document(file).tables["properties"]["kind"]["counts"]  # type: ignore[index]
+
+
+def test_whole_sensors_are_written(tmp_path: Path) -> None:
+    """Bias, limits and what repetitions share stand in the file, and nothing that the template had in their place."""
+    real = network_of(tmp_path)
+    for name, changed in {"look": {"repeat_probability": 0.8}, "weigh": {"bias": -3.0, "offset_sd": 1.5}}.items():
+        sensor = replace(real.actions[name].sensor, **changed)  # type: ignore[arg-type]
+        real = real.with_action(replace(real.actions[name], sensor=sensor))
+    data = Data.of(drawn(real, 80, 1, repeats=3), [SOURCE])
+    text = WORKSHOP.replace("saturates_above = 35", "bias = 7").replace('"else"]', '"else"]\nrepeat_probability = 0.1')
+    template = read_template(workshop(tmp_path, text))
+    settings = Settings(keep=tuple(template.network.properties), whole_sensors=True)
+    found = fit(template, data.specimens, settings)
+    path = tmp_path / "own.toml"
+    path.write_text(to_toml(document(template, found, data, settings, MADE, "own")), encoding="utf-8")
+    look, weigh = (load_network(path).actions[name].sensor for name in ("look", "weigh"))
+    assert look.repeat_probability == pytest.approx(0.8, abs=0.1)  # type: ignore[union-attr]
+    assert isinstance(weigh, NumberSensor)
+    assert vars(weigh) == vars(found.network.actions["weigh"].sensor)
+    assert weigh.bias == pytest.approx(-3, abs=1)
+    assert weigh.offset_sd == pytest.approx(1.5, rel=0.5)
+    assert weigh.high == 35.0
+    assert read_document(path).tables["source"] == "Sensors fitted to 80 objects; [provenance] says how"

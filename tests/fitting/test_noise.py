@@ -7,10 +7,11 @@ import pytest
 from scipy import integrate, optimize, stats
 
 from palpate.fitting.data import Specimen
-from palpate.fitting.noise import HEAVY, NORMAL_OVER_HEAVY, _shared, fit_noise
+from palpate.fitting.noise import HEAVY, NORMAL_OVER_HEAVY, fit_noise
 from palpate.fitting.readings import readings_of
+from palpate.fitting.shared_offsets import log_likelihood
 from palpate.network.admission import AdmittedOutcome
-from palpate.network.sensors import NumberSensor, StudentTNoise
+from palpate.network.sensors import NormalNoise, NumberSensor, StudentTNoise
 from palpate.outcomes import Above, Below, Reading
 
 SENSOR = NumberSensor("mass", 6.0)
@@ -111,7 +112,60 @@ def test_the_closed_form_with_an_offset_is_that_of_the_sensor() -> None:
     readings = readings_of("weigh", sensor, specimens)
     one_by_one = [sensor.log_likelihood(outcomes, np.array([truth]))[0] for truth, outcomes in readings.by_thing()]
     assert len(one_by_one) == 9
-    assert _shared(sensor, 0.0, readings) == pytest.approx(sum(one_by_one), rel=1e-12)
+    assert log_likelihood(sensor, 0.0, readings) == pytest.approx(sum(one_by_one), rel=1e-12)
+
+
+@pytest.mark.parametrize("noise", [NormalNoise(), StudentTNoise(4.0)])
+def test_bounds_with_an_offset_are_as_likely_as_by_the_sensor(noise: NormalNoise | StudentTNoise) -> None:
+    """Objects with and without readings beyond saturation, and a bias, give the sum of the sensor model's own."""
+    sensor = replace(SENSOR, sd=2.0, relative_sd=0.03, offset_sd=6.0, high=95.0, low=12.0, bias=1.5, noise=noise)
+    readings = readings_of("weigh", sensor, measured(sensor, np.linspace(2, 110, 12), 3, 6, bias=1.5))
+    one_by_one = [sensor.log_likelihood(outcomes, np.array([truth]))[0] for truth, outcomes in readings.by_thing()]
+    assert {-1.0, 0.0, 1.0} <= set(readings.side.tolist())
+    assert log_likelihood(sensor, 1.5, readings) == pytest.approx(sum(one_by_one), rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_whole_sensor_is_found(seed: int) -> None:
+    """Bias, shared offset, noise and saturation, of which the template knows nothing, are within their errors."""
+    true = replace(SENSOR, sd=1.5, offset_sd=4.0, high=95.0)
+    specimens = measured(true, np.linspace(10, 110, 150), 4, seed, bias=7.0)
+    sensor, part = fit_noise("weigh", replace(SENSOR, sd=20.0), specimens, whole=True)
+    assert part.bias is not None
+    assert sensor.bias == pytest.approx(7.0, abs=4.5 * 4.1 / np.sqrt(120))
+    assert sensor.sd == pytest.approx(1.5, rel=4.5 / np.sqrt(2 * 3 * 110))
+    assert sensor.offset_sd == pytest.approx(4.0, rel=4.5 / np.sqrt(2 * 110))
+    assert (sensor.high, sensor.low) == (95.0, -np.inf)
+
+
+def test_without_being_asked_no_bias_and_no_offset_are_fitted() -> None:
+    """A sensor that has neither gets neither; one that has a bias gets a new one."""
+    specimens = measured(replace(SENSOR, offset_sd=4.0), np.linspace(10, 110, 60), 3, 5, bias=20.0)
+    sensor, _ = fit_noise("weigh", SENSOR, specimens)
+    assert (sensor.bias, sensor.offset_sd, sensor.high) == (0.0, 0.0, np.inf)
+    again, _ = fit_noise("weigh", replace(SENSOR, bias=-3.0), specimens)
+    assert again.bias == pytest.approx(20.0, abs=3.0)
+
+
+def test_a_bias_within_its_error_is_none() -> None:
+    """Of readings whose mean is nearly the truth the SD is written, and no bias."""
+    errors = {"a": (-3.0, -2.9), "b": (3.1, 3.0), "c": (-3.2, 3.0), "d": (2.9, -2.5)}
+    specimens = [
+        Specimen(name, {"mass": 10.0}, {"weigh": tuple(Reading(10.0 + error) for error in found)})
+        for name, found in errors.items()
+    ]
+    sensor, part = fit_noise("weigh", SENSOR, specimens, whole=True)
+    assert part.bias is not None
+    assert 0 < abs(part.bias.value) < part.bias.se
+    assert sensor.bias == 0.0
+
+
+def test_bounds_that_differ_are_no_saturation() -> None:
+    """Only where all bounds are one, and no reading is beyond it, does the sensor saturate there."""
+    readings = (Reading(11.0), Reading(9.0), Reading(13.0), Reading(60.0))
+    for bounds in ((Above(40.0), Above(50.0)), (Above(40.0),)):
+        specimens = [Specimen("a", {"mass": 30.0}, {"weigh": (*readings, *bounds)})]
+        assert fit_noise("weigh", SENSOR, specimens, whole=True)[0].high == np.inf
 
 
 def test_a_student_sensor_stays_one() -> None:

@@ -205,10 +205,12 @@ def test_number_sensors(tmp_path: Path) -> None:
     saturates_below = 1
     saturates_above = 8
     offset_sd = 0.2
+    bias = -0.3
     """
     sensor = load_network(written(tmp_path, text)).actions["touch"].sensor
     assert isinstance(sensor, NumberSensor)
     assert (sensor.sd, sensor.relative_sd, sensor.low, sensor.high, sensor.offset_sd) == (0.5, 0.1, 1, 8, 0.2)
+    assert sensor.bias == -0.3
     assert sensor.noise == StudentTNoise(4.0)
 
 

@@ -1,8 +1,12 @@
+import os
+import time
 from hashlib import sha256
 from pathlib import Path
 
 import pytest
 
+from palpate.store import blobs as store_blobs
+from palpate.store import bucket, durable
 from palpate.store.blobs import Blobs, FolderBlobs
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from tests.store.places import blobs_of, check_services
@@ -38,8 +42,52 @@ def test_what_is_missing_or_set_aside_is_never_returned(blobs: Blobs) -> None:
     assert not list(blobs.all())
     blobs.put(DIGEST, DATA)
     assert blobs.get(DIGEST) == DATA
-    blobs.remove(DIGEST)
+    assert blobs.remove(DIGEST)
     assert not list(blobs.all())
+
+
+def test_only_what_is_old_is_removed(blobs: Blobs) -> None:
+    """What was written after a time stays and can be read; what is not there cannot be removed."""
+    blobs.put(DIGEST, DATA)
+    ((_, written),) = blobs.all()
+    assert not blobs.remove(DIGEST, written)
+    assert blobs.get(DIGEST) == DATA
+    assert blobs.remove(DIGEST, written + 1)
+    assert not blobs.remove(DIGEST, written + 1)
+    assert not list(blobs.all())
+
+
+def test_putting_again_makes_an_old_blob_young(blobs: Blobs, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bytes that are there already count as written now: a program that is just putting them relies on them."""
+    blobs.put(DIGEST, DATA)
+    ((_, written),) = blobs.all()
+    if isinstance(blobs, FolderBlobs):
+        os.utime(blobs.folder / DIGEST[:2] / DIGEST[2:], (0, 0))
+        blobs.put(DIGEST, DATA)
+    else:
+        time.sleep(1.1)  # services tell whole seconds
+        blobs.put(DIGEST, DATA)
+        assert dict(blobs.all()) == {DIGEST: written}, "what is hours old at most is not sent again"
+        monkeypatch.setattr(bucket, "RENEWED_S", 0.0)
+        blobs.put(DIGEST, DATA)
+        assert dict(blobs.all())[DIGEST] > written
+    ((_, again),) = blobs.all()
+    assert again >= written - 1
+
+
+def test_the_names_of_new_folders_are_on_the_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """When a blob is put, each new folder on the way to it is known to the disk by its parent."""
+    synced = set[Path]()
+    for module in (durable, store_blobs):
+        monkeypatch.setattr(module, "sync_folder", synced.add)
+    blobs = FolderBlobs(tmp_path / "lab" / "blobs")
+    blobs.put(DIGEST, DATA)
+    chain = {tmp_path, tmp_path / "lab", blobs.folder, blobs.folder / DIGEST[:2]}
+    assert synced == chain
+    synced.clear()
+    # another process may have made them, and may not be done
+    FolderBlobs(blobs.folder).put(other := DIGEST[:2] + "0" * 62, DATA)
+    assert synced >= {blobs.folder.parent, blobs.folder, blobs.folder / other[:2]}
 
 
 def test_other_bytes_are_never_returned(blobs: Blobs) -> None:

@@ -6,12 +6,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pyarrow.parquet import read_table
 
-from palpate.store.archive import export_archive
+from palpate.store.archive import Archive, export_archive
 from palpate.store.curves import curves_of_gripper
+from palpate.store.describing import change_thing, keep_image
 from palpate.store.errors import DamagedError
+from palpate.store.exporting.publication import Terms
+from palpate.store.exporting.tables import Tables
+from palpate.store.exporting.writing import export
+from palpate.store.importing.formats import all_formats
+from palpate.store.importing.intake import import_paths
+from palpate.store.importing.items import Fate
+from palpate.store.opening import open_store
 from palpate.store.records import Channel, FileItem, Recording, Series
 from palpate.store.store import Store
+from palpate.store.things import find_thing
 from palpate.store.verifying import repair, verify
 from tests.store.made_up import squeeze
 from tests.store.places import damage
@@ -50,14 +60,17 @@ def test_a_damaged_blob_is_named_and_never_returned(store: Store, tmp_path: Path
     recording, digests = put_large(store)
     digest = digests[what]
     damage(store.blobs, digest, DAMAGES[how](store.blobs.get(digest)))
-    faults = {fault.where: fault.what for fault in verify(store)}
-    assert set(faults) == {f"recording {recording.id}", f"blob {digest}"}
-    assert digest in faults[f"recording {recording.id}"]
+    (fault,) = verify(store)
+    assert fault.where == f"blob {digest}"
+    assert fault.what.endswith(f"needed by recording {recording.id}")
     with pytest.raises(DamagedError, match=digest):
         store.get(recording.id)
     with pytest.raises(DamagedError, match=digest):
         export_archive(store, tmp_path / "archive")
     assert not (tmp_path / "archive").exists()
+    written = export(store, Archive(), tmp_path / "archive", leave_out_damaged=True)
+    assert written.recordings == 2
+    assert any(f"recording {recording.id}: blob {digest}" in notice for notice in written.notices)
     if what == "series":
         with pytest.raises(DamagedError, match=digest):
             list(curves_of_gripper(store, "two_finger"))
@@ -75,3 +88,40 @@ def test_putting_again_restores_what_was_set_aside(store: Store, how: str) -> No
     assert not store.put(recording).new
     assert store.get(recording.id) == recording
     assert list(verify(store)) == []
+
+
+def test_an_export_names_all_that_is_damaged_and_offers_a_way_on(local: Store, tmp_path: Path) -> None:
+    """By default nothing is exported; what is left out when that is asked for is in no count and no table."""
+    pictures = [FileItem("cam0.png", "image/png", b"%d" % number) for number in range(6)]
+    recordings = [squeeze(number, files=(picture,), owner="ann") for number, picture in enumerate(pictures)]
+    local.put_many(recordings)
+    for picture in pictures[1:]:
+        damage(local.blobs, picture.sha256, None)
+    form = Tables(Terms(include_private=True, licence="CC-BY-4.0"))
+    with pytest.raises(DamagedError) as error:
+        export(local, form, tmp_path / "tables")
+    told = str(error.value)
+    assert told.startswith(f"export: 5 recordings not as written: recording {recordings[1].id}: blob ")
+    assert "and 2 more; nothing was exported (leave_out_damaged, --leave-out-damaged, exports the rest)" in told
+    assert not (tmp_path / "tables").exists()
+    written = export(local, form, tmp_path / "tables", leave_out_damaged=True)
+    assert (written.recordings, len(written.notices)) == (1, 5)
+    assert read_table(tmp_path / "tables" / "data" / "recordings-00000-of-00001.parquet").num_rows == 1
+    assert "1 recording of 1 object" in (tmp_path / "tables" / "CITATION.cff").read_text()
+
+
+def test_a_lost_picture_of_an_object_stops_no_archive_that_may_leave_it_out(local: Store, tmp_path: Path) -> None:
+    """Without it all the rest is archived, can be imported, and it is told which one is missing."""
+    recording = squeeze()
+    local.put(recording)
+    image, other = (keep_image(local, f"{name}.png", "image/png", name.encode()) for name in ("front", "back"))
+    change_thing(local, recording.thing, lambda thing: thing.showing(image).showing(other))
+    damage(local.blobs, image.sha256, None)
+    with pytest.raises(DamagedError, match=rf"export: blob {image.sha256}: .* \(leave_out_damaged"):
+        export(local, Archive(), tmp_path / "archive")
+    written = export(local, Archive(), tmp_path / "archive", leave_out_damaged=True)
+    assert [notice.partition(": ")[0] for notice in written.notices] == ["image front.png of object made_up/object0"]
+    with open_store(tmp_path / "other.sqlite") as second:
+        outcomes = list(import_paths(second, [tmp_path / "archive"], all_formats()))
+        assert [outcome.fate for outcome in outcomes] == [Fate.NEW]
+        assert find_thing(second, "object0").images == (other,)

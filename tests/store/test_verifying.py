@@ -1,16 +1,24 @@
 import os
+from functools import partial
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
 
+from palpate.store import verifying
 from palpate.store.blobs import FolderBlobs
+from palpate.store.describing import change_thing, keep_image
 from palpate.store.errors import DamagedError
+from palpate.store.faults import Fault, Remedy
 from palpate.store.records import FileItem, Recording
 from palpate.store.store import Store
+from palpate.store.things import Thing
+from palpate.store.undoing import undo
 from palpate.store.verifying import repair, verify
 from tests.store.made_up import squeeze
 
-PICTURE = FileItem("cam0.png", "image/png", b"picture")
+DATA = b"picture"
+PICTURE = FileItem("cam0.png", "image/png", DATA)
 
 
 @pytest.fixture
@@ -40,10 +48,12 @@ def test_a_whole_store_has_no_faults(store: Store) -> None:
 def test_a_flipped_bit_of_a_blob_is_named_and_can_be_put_right(local: Store, recording: Recording) -> None:
     """A damaged blob is named, with its recording; set aside, it comes back when the recording is put again."""
     blob_path(local).write_bytes(b"pictuse")
-    assert [fault.where for fault in verify(local)] == [f"recording {recording.id}", f"blob {PICTURE.sha256}"]
+    (fault,) = verify(local)
+    assert (fault.where, f"needed by recording {recording.id}" in fault.what) == (f"blob {PICTURE.sha256}", True)
     with pytest.raises(DamagedError, match=PICTURE.sha256):
         local.get(recording.id)
-    repair(local)
+    (fault,) = repair(local)
+    assert (fault.done, fault.mended) == (True, False)
     assert not local.put(recording).new
     assert local.get(recording.id) == recording
     assert list(verify(local)) == []
@@ -52,7 +62,7 @@ def test_a_flipped_bit_of_a_blob_is_named_and_can_be_put_right(local: Store, rec
 def test_a_missing_blob_is_named(local: Store, recording: Recording) -> None:
     """A missing blob is named, and nothing that is safe can be done but to put the recording again."""
     blob_path(local).unlink()
-    assert {fault.where for fault in repair(local)} == {f"recording {recording.id}", f"blob {PICTURE.sha256}"}
+    assert [(fault.where, fault.done) for fault in repair(local)] == [(f"blob {PICTURE.sha256}", False)]
     local.put(recording)
     assert list(verify(local)) == []
 
@@ -64,12 +74,14 @@ def test_a_missing_blob_is_named(local: Store, recording: Recording) -> None:
         "DELETE FROM entries WHERE recording_id = 2",
         "UPDATE recordings SET action = 'weighing' WHERE id = 2",
         "UPDATE recordings SET recorded_us = 5 WHERE id = 2",
+        "UPDATE recordings SET seal = NULL WHERE id = 2",
+        "UPDATE entries SET value_si = 'mug' WHERE recording_id = 2",
     ],
 )
 def test_rows_for_queries_are_made_again(local: Store, recording: Recording, statement: str) -> None:
     """Rows that disagree with the content are found and mended."""
     change(local, statement)
-    assert [fault.where for fault in repair(local)] == [f"recording {recording.id}"]
+    assert [(fault.where, fault.mended) for fault in repair(local)] == [(f"recording {recording.id}", True)]
     assert list(verify(local)) == []
 
 
@@ -109,3 +121,98 @@ def test_only_old_blobs_without_a_recording_are_removed(local: Store, recording:
     assert [fault.where for fault in repair(local)] == [f"blob {orphan.sha256}"]
     assert not path.exists()
     assert local.get(recording.id) == recording
+
+
+def old_blob(store: Store, data: bytes) -> Path:
+    """A blob that was written long ago and that nothing refers to."""
+    digest = sha256(data).hexdigest()
+    store.blobs.put(digest, data)
+    assert isinstance(store.blobs, FolderBlobs)
+    path = store.blobs.folder / digest[:2] / digest[2:]
+    os.utime(path, (0, 0))
+    return path
+
+
+def test_pictures_that_an_undo_needs_are_kept(local: Store, recording: Recording) -> None:
+    """A picture that was replaced is in no table of pictures, and an undo shows it again: repair leaves it."""
+    for data in (b"first", b"second"):
+        image = keep_image(local, "front.png", "image/png", data)
+        change_thing(local, recording.thing, partial(Thing.showing, image=image))
+    path = old_blob(local, b"first")
+    assert repair(local) == []
+    undo(local, recording.thing)
+    assert list(verify(local)) == []
+    path.unlink()
+    assert [fault.what.partition("; ")[2] for fault in verify(local)] == ["needed by object made_up/object0"]
+
+
+def test_a_picture_that_only_an_undo_needs_is_verified(local: Store, recording: Recording) -> None:
+    """Where it is lost, the fault says what for it is needed."""
+    for data in (b"first", b"second"):
+        image = keep_image(local, "front.png", "image/png", data)
+        change_thing(local, recording.thing, partial(Thing.showing, image=image))
+    old_blob(local, b"first").unlink()
+    assert [fault.what.partition("; ")[2] for fault in verify(local)] == [
+        "needed by an undo for object made_up/object0"
+    ]
+
+
+@pytest.mark.parametrize("is_committed", [True, False])
+def test_a_blob_that_a_put_relies_on_is_not_removed(
+    local: Store, monkeypatch: pytest.MonkeyPatch, is_committed: bool
+) -> None:
+    """Whoever puts an old blob again makes it young, also between verifying and removing; so it stays."""
+    path = old_blob(local, DATA)
+    found = list(verify(local))
+    assert [fault.remedy for fault in found] == [Remedy.REMOVE]
+
+    def meanwhile(store: Store) -> list[Fault]:
+        if is_committed:
+            local.put(squeeze(files=(PICTURE,)))
+        else:
+            local.blobs.put(PICTURE.sha256, DATA)
+        return found
+
+    monkeypatch.setattr(verifying, "verify", meanwhile)
+    assert [fault.done for fault in repair(local)] == [False]
+    assert path.read_bytes() == DATA
+
+
+def test_what_is_referred_to_by_now_is_not_removed(local: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    """References are looked up again before anything is removed, however old it is."""
+    path = old_blob(local, DATA)
+    found = list(verify(local))
+    local.put(squeeze(files=(PICTURE,)))
+    os.utime(path, (0, 0))
+    monkeypatch.setattr(verifying, "verify", lambda store: found)
+    assert [fault.done for fault in repair(local)] == [False]
+    assert path.exists()
+
+
+def test_nothing_is_removed_where_the_audit_cannot_be_read(local: Store, recording: Recording) -> None:
+    """Where it is not known what is referred to, no blob is a left-over one."""
+    change_thing(local, recording.thing, lambda thing: thing.described(maker="somebody"))
+    path = old_blob(local, b"perhaps of an undo")
+    change(local, "UPDATE audit SET detail = '[{'")
+    faults = repair(local)
+    assert any("the audit of object made_up/object0: cannot be read" in fault.what for fault in faults)
+    assert not any(fault.done for fault in faults)
+    assert path.exists()
+
+
+def test_one_fault_does_not_hide_another(local: Store, recording: Recording) -> None:
+    """Each part of a store is looked at, whatever is wrong with the others."""
+    change(local, "UPDATE setups SET document = '{'")
+    change(local, "DROP TABLE entries")
+    change(local, "UPDATE recordings SET document = '[]' WHERE id = 2")
+    change(local, "UPDATE things SET attributes = '3' WHERE id = 1")
+    old_blob(local, b"left over")
+    told = [f"{fault.where}: {fault.what}" for fault in verify(local)]
+    for part in (
+        "database: the table entries is missing",
+        "its content is not the one of its digest",
+        f"recording {recording.id}: ",
+        "object made_up/object1: thing.attributes: found int",
+        "nothing refers to it",
+    ):
+        assert any(part in one for one in told), (part, told)

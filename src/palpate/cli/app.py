@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from palpate.cli import benchmark, episode, explore, infer, network, reproduce, spool, store
+from palpate.cli import benchmark, calibrate, episode, explore, infer, network, reproduce, spool, store
 
 __all__ = ["app"]
 
@@ -17,6 +17,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.command("benchmark")(benchmark.benchmark)
+app.command("calibrate")(calibrate.calibrate)
 app.command("explore")(explore.explore)
 app.command("infer")(infer.infer)
 app.command("reproduce")(reproduce.reproduce)

@@ -1,12 +1,13 @@
-"""`palpate benchmark`: exact inference, the paper's method and chance on the same outcomes."""
+"""`palpate benchmark`: exact inference, the paper's method and chance on the same outcomes; or the bench in physics."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+from palpate.cli.calibrate import RobotKind
 from palpate.cli.task_options import WHAT, Resume, Scheduler, Seed, Workers
 
 __all__ = ["benchmark"]
@@ -27,6 +28,18 @@ def benchmark(
             rich_help_panel=WHAT,
         ),
     ] = False,
+    robot: Annotated[
+        RobotKind,
+        typer.Option(
+            help="Outcomes drawn from a network, or the known objects on the bench in physics, each with sensors "
+            "calibrated on the others.",
+            rich_help_panel=WHAT,
+        ),
+    ] = RobotKind.SAMPLED,
+    repetitions: Annotated[
+        int | None,
+        typer.Option(min=2, help="On the bench: of each action on each object (default: 10).", rich_help_panel=WHAT),
+    ] = None,
     objects: Annotated[
         int | None,
         typer.Option(
@@ -51,9 +64,15 @@ def benchmark(
     ] = False,
 ) -> None:
     """Compare exact inference, the paper's method and chance on the same simulated outcomes."""
-    from palpate.cli import benchmarking
+    from palpate.cli import benchmarking, benchmarking_bench
 
+    benchmarking.check_together(robot is RobotKind.MUJOCO, quick, calibration, objects, repetitions)
+    how: Any = {"workers": workers, "scheduler": scheduler, "resume": resume}
+    if robot is RobotKind.MUJOCO and not figures_only:
+        benchmarking_bench.run(network, repetitions or 10, seed, output, **how)
+        benchmarking.tell(output)
+        return
     asked = benchmarking.Asked(quick=quick, calibration=calibration, objects=objects, seed=seed, network=network)
     if not figures_only:
-        benchmarking.run(asked, output, workers=workers, scheduler=scheduler, resume=resume)
+        benchmarking.run(asked, output, **how)
     benchmarking.tell(output)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from palpate import __version__
+from palpate.cli import benchmarking_bench
 from palpate.cli.tasks_view import run_shown
 from palpate.cli.terminal import console
 from palpate.errors import PalpateError
@@ -24,7 +25,7 @@ from palpate.figures.wording import plural
 from palpate.network.digest import digest
 from palpate.network.reading import load_network
 
-__all__ = ["Asked", "run", "tell"]
+__all__ = ["Asked", "check_together", "run", "tell"]
 
 REPORT = "report.md"
 CALIBRATION = "calibration"
@@ -69,6 +70,18 @@ class Asked:
         }
 
 
+def check_together(bench: bool, quick: bool, calibration: bool, objects: int | None, repetitions: int | None) -> None:
+    """Refuse options of the one kind of benchmark with the other."""
+    drawn = {"--quick": quick, "--calibration": calibration, "--objects": objects is not None}
+    wrong = [name for name, given in drawn.items() if given] if bench else []
+    if wrong:
+        raise PalpateError(
+            f"{', '.join(wrong)}: for drawn objects, and --robot mujoco was found, expected one of the two"
+        )
+    if repetitions is not None and not bench:
+        raise PalpateError("--repetitions: for the bench alone, expected --robot mujoco")
+
+
 def run(asked: Asked, folder: Path, *, workers: int | None, scheduler: str | None, resume: bool) -> None:
     """Run the tasks and save the table.
 
@@ -94,6 +107,9 @@ def run(asked: Asked, folder: Path, *, workers: int | None, scheduler: str | Non
 def tell(folder: Path) -> None:
     """Draw the figures, write the report, and print the main findings and where all is."""
     results, settings = read_results(folder), settings_of(folder)
+    if settings.get("kind") == benchmarking_bench.KIND:
+        benchmarking_bench.tell(folder)
+        return
     if settings.get("kind") == CALIBRATION:
         draw_calibration(results, folder / "calibration.png")
         pictures = {"Probabilities against frequencies, and ranks of the truth": folder / "calibration.png"}

@@ -37,11 +37,14 @@ def export(
     assumed_rate: Annotated[
         float | None, typer.Option(help="Samples per second where none is stated.", rich_help_panel=FRAMES)
     ] = None,
+    leave_out_damaged: Annotated[
+        bool, typer.Option("--leave-out-damaged", help="Export the others where some are damaged, and name these.")
+    ] = False,
 ) -> None:
     """Write recordings as an archive, which can be imported again, or in a format for others."""
     from palpate.cli.exporting import Wishes, naming_options, tell_written
     from palpate.cli.progress_view import bar
-    from palpate.cli.storing import check_known
+    from palpate.cli.storing import LeftOut, check_known
     from palpate.store.exporting.writing import export as write
     from palpate.store.listing import list_recordings
 
@@ -49,7 +52,8 @@ def export(
     how = wishes.format()
     with naming_options(), place.opened() as found, bar("exporting") as told:
         wanted = which.filter(found)
-        if not list_recordings(found, wanted, limit=1).rows:
+        left = LeftOut()
+        if not (list_recordings(found, wanted, limit=1, damaged=left.damaged.append).rows or left.damaged):
             check_known(found, wanted)
-        written = write(found, how, folder, wanted, told)
+        written = write(found, how, folder, wanted, told, leave_out_damaged=leave_out_damaged)
     tell_written(folder, written)

@@ -59,8 +59,10 @@ def report_lines(report: Report) -> Iterator[str]:
 
 
 def counts_line(report: Report) -> str:
-    """How many have met each fate."""
+    """How many have met each fate; mended ones only where there are some."""
     words = {Fate.NEW: "new", Fate.KNOWN: "there already", Fate.REFUSED: "refused", Fate.SKIPPED: "skipped"}
+    if report.count(Fate.MENDED):
+        words = {Fate.MENDED: "mended", **words}
     return ", ".join(f"{report.count(fate)} {word}" for fate, word in words.items())
 
 

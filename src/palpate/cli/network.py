@@ -77,6 +77,7 @@ def fit(
     force: Annotated[bool, typer.Option("--force", help="Replace the file if there is one.")] = False,
 ) -> None:
     """Make a network from your own data: its numbers are estimated from objects with known properties."""
-    from palpate.cli.fitting import From, fit_network
+    from palpate.cli.fit_data import From
+    from palpate.cli.fitting import fit_network
 
     fit_network(like, From(place, of_store, tables), output, how, force=force)

@@ -12,7 +12,7 @@ from palpate.network.model import Network
 from palpate.network.properties import CategoricalProperty, ContinuousProperty, Property
 from palpate.network.sensors import ConfusionSensor, Sensor
 
-__all__ = ["network_tables", "object_table"]
+__all__ = ["network_tables", "object_table", "sensor_words"]
 
 
 def network_tables(network: Network) -> RenderableType:
@@ -23,7 +23,7 @@ def network_tables(network: Network) -> RenderableType:
         properties.add_row(Text(found.name, style="bold"), *_described(found))
     actions = plain_table("action", "measures", "sensor", "cost", right=(3,))
     for action in network.actions.values():
-        sensor = _sensor(network, action.sensor)
+        sensor = sensor_words(network, action.sensor)
         actions.add_row(Text(action.name, style="bold"), action.sensor.property, sensor, f"{action.cost_s:g} s")
     known = f"{plural(len(network.objects), 'known object')} (palpate explore --list)" if network.objects else ""
     return Group(title, Text(), properties, Text(), actions, Text(), Text(known, style="dim"))
@@ -46,7 +46,8 @@ def _described(found: Property) -> tuple[str, str]:
     return ", ".join(found.formula.variables), f"{found.formula.text} [{found.unit}]"
 
 
-def _sensor(network: Network, sensor: Sensor) -> str:
+def sensor_words(network: Network, sensor: Sensor) -> str:
+    """What a sensor is like."""
     if isinstance(sensor, ConfusionSensor):
         repeats = f", repeats {number(sensor.repeat_probability)}" if sensor.repeat_probability else ""
         return f"{plural(len(sensor.outcomes), 'label')}{repeats}"
@@ -57,6 +58,8 @@ def _sensor(network: Network, sensor: Sensor) -> str:
         parts.append(f"{number(100 * sensor.relative_sd)} %")
     if sensor.offset_sd:
         parts.append(f"shared offset {number(sensor.offset_sd)} {unit}")
+    if sensor.bias:
+        parts.append(f"bias {number(sensor.bias)} {unit}")
     if sensor.low > float("-inf"):
         parts.append(f"saturates below {number(sensor.low)} {unit}")
     if sensor.high < float("inf"):

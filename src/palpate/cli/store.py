@@ -39,6 +39,7 @@ def show(
     """Show objects, setups and the last recordings with what was odd about them; or all of one recording."""
     from palpate.cli.recording_view import recording_json, recording_view
     from palpate.cli.store_view import overview
+    from palpate.cli.storing import LeftOut
     from palpate.cli.terminal import is_terminal, print_whole
     from palpate.errors import PalpateError
     from palpate.store.keys import recording_id
@@ -47,7 +48,9 @@ def show(
         raise PalpateError("--json: is for one recording, expected its id; `palpate store list --json` has all")
     with place.opened() as found:
         if key is None:
-            print_whole(overview(found, whole=wide or not is_terminal()))
+            left = LeftOut()
+            print_whole(overview(found, left.damaged.append, whole=wide or not is_terminal()))
+            left.tell()
             return
         recording = found.get(recording_id(found, key))
     if as_json:
@@ -72,11 +75,11 @@ app.command("episode")(store_episodes.episode)
 @spread
 def verify(place: Place) -> None:
     """Check every digest and every reference; exit with code 1 where something is not as it was written."""
-    from palpate.cli.storing import tell_faults
+    from palpate.cli.fault_view import tell_found
     from palpate.store.verifying import verify as faults_of
 
     with place.opened() as found:
-        faults = tell_faults(faults_of(found))
+        faults = tell_found(faults_of(found))
     raise typer.Exit(1 if faults else 0)
 
 
@@ -84,13 +87,12 @@ def verify(place: Place) -> None:
 @spread
 def repair(place: Place) -> None:
     """Verify, and take only steps that cannot lose anything; exit with code 1 where something could not be mended."""
-    from palpate.cli.storing import tell_faults
+    from palpate.cli.fault_view import tell_mended
     from palpate.store.verifying import repair as mend
 
     with place.opened() as found:
-        faults = mend(found)
-    tell_faults(faults)
-    raise typer.Exit(1 if any(fault.remedy is None for fault in faults) else 0)
+        faults = tell_mended(mend(found))
+    raise typer.Exit(0 if all(fault.mended for fault in faults) else 1)
 
 
 app.command("export")(export)

@@ -67,7 +67,7 @@ def list_(which: Which, how: How, written: Written, place: Place) -> None:
     """List recordings, the last ones first; as CSV or Parquet the results, a row for each."""
     from palpate.cli.rows import write_rows, write_text
     from palpate.cli.store_view import page_json, page_table, tell_next
-    from palpate.cli.storing import check_known, check_name
+    from palpate.cli.storing import LeftOut, check_known, check_name
     from palpate.cli.terminal import is_terminal, print_whole
     from palpate.errors import PalpateError
     from palpate.store.entries_table import entries_table
@@ -80,19 +80,21 @@ def list_(which: Which, how: How, written: Written, place: Place) -> None:
         raise PalpateError("--cursor: is for pages, and CSV and Parquet have none; expected --format table or json")
     with place.opened() as store:
         wanted = which.filter(store)
-        page = list_recordings(store, wanted, sort, limit=how.limit or PAGE, cursor=how.cursor)
-        if not page.rows:
+        left, limit = LeftOut(), how.limit or PAGE
+        page = list_recordings(store, wanted, sort, limit=limit, cursor=how.cursor, damaged=left.damaged.append)
+        if not (page.rows or left.damaged):
             check_known(store, wanted)
         if form.is_flat:
             write_rows(entries_table(store, wanted, sort, limit=how.limit), form, written.output)
             return
     if form is Form.JSON:
         write_text(page_json(page), written.output)
-    elif page.rows:
+    elif page.rows or left.damaged:
         print_whole(page_table(page, whole=how.wide or not is_terminal()))
         tell_next(page.cursor)
     else:
         print("no recording matches" if wanted != Filter() else "no recordings yet")
+    left.tell()
 
 
 @spread

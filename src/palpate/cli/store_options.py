@@ -5,7 +5,8 @@ A command takes `Place` and `Which` as parameters under `palpate.cli.spreading.s
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
@@ -19,9 +20,7 @@ __all__ = ["Place", "Which", "WideOption"]
 
 PLACE, WHICH = "The store", "Which recordings"
 
-WideOption = Annotated[
-    bool, typer.Option("--wide", help="Whole ids also in a terminal, where they are shortened otherwise.")
-]
+WideOption = Annotated[bool, typer.Option("--wide", help="Whole ids in a terminal too.")]
 
 
 @dataclass(frozen=True)
@@ -45,11 +44,19 @@ class Place:
         ),
     ] = None
 
-    def opened(self, *, make: bool = False) -> AbstractContextManager[Store]:
+    @contextmanager
+    def opened(self, *, make: bool = False) -> Iterator[Store]:
         """The store, closed afterwards; one that is not there is made only where it was asked for."""
+        from sqlalchemy.exc import DBAPIError
+
+        from palpate.store.errors import UnavailableError
         from palpate.store.opening import open_store
 
-        return open_store(self.place, self.blobs, make=make)
+        with open_store(self.place, self.blobs, make=make) as found:
+            try:
+                yield found
+            except DBAPIError as error:
+                raise UnavailableError(f"store {found.engine.url!r}: {error.orig}") from error
 
 
 @dataclass(frozen=True)

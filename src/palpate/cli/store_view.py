@@ -15,7 +15,7 @@ from palpate.cli.terminal import bullets, folding_table
 from palpate.figures.wording import number, plural
 from palpate.store.content import entry_plain
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
-from palpate.store.listing import Listed, Page, list_recordings
+from palpate.store.listing import Damaged, Listed, Page, list_recordings
 from palpate.store.overview import Contents, contents
 
 if TYPE_CHECKING:
@@ -58,9 +58,12 @@ def entry_words(entry: Entry, most: int = 2) -> str:
             return f"{name or 'all'} failed: {reason}"
 
 
-def overview(store: Store, *, whole: bool = True) -> RenderableType:
-    """Objects, setups, and the last recordings with their notices; ids whole, or as short as will do."""
-    page, found = list_recordings(store, limit=SHOWN), contents(store)
+def overview(store: Store, damaged: Damaged, *, whole: bool = True) -> RenderableType:
+    """Objects, setups, and the last recordings with their notices; ids whole, or as short as will do.
+
+    `damaged` is told of recordings that are left out.
+    """
+    page, found = list_recordings(store, limit=SHOWN, damaged=damaged), contents(store)
     head = f"{plural(found.recordings, 'recording')} of {plural(len(found.things), 'object')}"
     if found.episodes:
         head += f" and {plural(found.episodes, 'episode')}"

@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
+import typer
+
 from palpate.errors import PalpateError, choices, near
-from palpate.figures.wording import plural
 
 if TYPE_CHECKING:
+    from palpate.store.errors import DamagedError
     from palpate.store.filters import Filter
     from palpate.store.store import Store
-    from palpate.store.verifying import Fault
 
 __all__ = [
+    "LeftOut",
     "check_installed",
     "check_known",
     "check_name",
     "labels_of",
     "moment_of",
-    "tell_faults",
 ]
 
 
@@ -37,6 +40,20 @@ def check_installed() -> None:
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
         raise PalpateError(f'palpate store needs {missing[0]}, which is not installed: pip install "palpate[store]"')
+
+
+@dataclass
+class LeftOut:
+    """Recordings that a command had to leave out, to be told when it has printed the others."""
+
+    damaged: list[DamagedError] = field(default_factory=list)
+
+    def tell(self) -> None:
+        """Say what is wrong with each on standard error, and end with code 2; do nothing where there is none."""
+        for error in self.damaged:
+            print("palpate:", " ".join(str(error).split()) + "; left out", file=sys.stderr)
+        if self.damaged:
+            raise typer.Exit(2)
 
 
 def check_name(option: str, found: str, names: Iterable[str]) -> None:
@@ -86,13 +103,3 @@ def moment_of(option: str, text: str | None) -> datetime | None:
     except ValueError:
         raise PalpateError(f"{option}: {text!r} was found, expected a date or time such as 2024-05-01T14:00") from None
     return moment if moment.utcoffset() is not None else moment.replace(tzinfo=UTC)
-
-
-def tell_faults(faults: Iterable[Fault]) -> Sequence[Fault]:
-    """Print faults as they come, and how many they were."""
-    told = []
-    for fault in faults:
-        print(f"{fault.where}: {fault.what} (repair: {fault.remedy or 'nothing that is safe'})")
-        told.append(fault)
-    print(plural(len(told), "fault") if told else "all is as it was written")
-    return told

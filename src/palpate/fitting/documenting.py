@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from palpate.fitting.data import Data
 from palpate.fitting.forms import form_of
 from palpate.fitting.parts import Fitted, PropertyPart, SensorPart
+from palpate.fitting.scores import Score
 from palpate.fitting.settings import Settings
 from palpate.fitting.template import PLACEHOLDERS, Template
 from palpate.network.model import Network
@@ -22,6 +24,9 @@ __all__ = ["Provenance", "document"]
 
 Table = dict[str, Any]
 OF_NORMAL = {"sd": "sd", "relative_sd": "relative_sd", "offset_sd": "offset_sd"}
+SCORED = 3
+"""Decimals of scores."""
+LIMITS = {"low": "saturates_below", "high": "saturates_above"}
 OF_STUDENT = {"sd": "scale", "relative_sd": "relative_scale", "offset_sd": "offset_sd"}
 
 
@@ -37,12 +42,15 @@ class Provenance:
         The command line, and the version of palpate; empty where there was none.
     date
         ISO 8601; empty where nobody said it and the data have none.
+    scores
+        On held-out objects, as `palpate.fitting.scores.held_out_scores` has them.
     """
 
     like: str
     command: str = ""
     version: str = ""
     date: str = ""
+    scores: Mapping[tuple[str, str], Score] = field(default_factory=dict)
 
     def table(self, template: Template, data: Data, settings: Settings) -> Table:
         """The ``provenance`` of the network file."""
@@ -58,8 +66,19 @@ class Provenance:
             "kept": list(settings.keep),
             "data": sources,
             "notices": list(data.notices),
+            "held_out": self._held_out(),
         }
-        return {key: value for key, value in table.items() if value not in ("", [])}
+        return {key: value for key, value in table.items() if value not in ("", [], {})}
+
+    def _held_out(self) -> Table:
+        """Scores by ``property`` or ``action`` and its name [bits per object]; without what is not known."""
+        found: Table = {}
+        for (kind, name), score in self.scores.items():
+            numbers = {"log2_p": score.fitted, "better_by": score.difference, "se": score.se}
+            known = {key: round(value, SCORED) for key, value in numbers.items() if math.isfinite(value)}
+            told = {"than": score.against} if score.against else {}
+            found.setdefault(kind, {})[name] = {**known, **told, "objects": score.objects}
+        return found
 
 
 def document(
@@ -74,7 +93,8 @@ def document(
     """
     head = {"format": template.tables["format"], "name": name}
     tables = {**head, **{key: value for key, value in template.tables.items() if key not in head}}
-    tables["source"] = f"Fitted to {len(data.specimens)} objects; [provenance] says how"
+    what = "Sensors fitted" if fitted.sensors_only else "Fitted"
+    tables["source"] = f"{what} to {len(data.specimens)} objects; [provenance] says how"
     tables["properties"] = {
         key: _property(table, fitted.network, key, fitted.properties.get(key))
         for key, table in template.tables["properties"].items()
@@ -84,10 +104,10 @@ def document(
             key: {**table, "sensor": _sensor(table["sensor"], fitted.network, key, fitted.actions[key])}
             for key, table in template.tables["actions"].items()
         }
-    # the objects of the template are others than those that it was fitted to
-    tables.pop("objects", None)
+    known = tables.pop("objects", {})
     tables["provenance"] = provenance.table(template, data, settings)
-    return tables
+    # the objects of the template are others than those that properties were fitted to
+    return {**tables, "objects": known} if known and fitted.sensors_only else tables
 
 
 # Properties -------------------------------------------------------------------------------------
@@ -148,8 +168,11 @@ def _sensor(table: Mapping[str, Any], network: Network, name: str, part: SensorP
         return dict(table)
     assert isinstance(sensor, NumberSensor)
     keys = OF_NORMAL if isinstance(sensor.noise, NormalNoise) else OF_STUDENT
-    old = {key: value for key, value in table.items() if key not in (*keys.values(), "counts", "source")}
+    own = (*keys.values(), *LIMITS.values(), "bias", "counts", "source")
+    old = {key: value for key, value in table.items() if key not in own}
     new = {key: getattr(sensor, field) for field, key in keys.items() if getattr(sensor, field) > 0}
+    new |= {"bias": sensor.bias} if sensor.bias else {}
+    new |= {key: getattr(sensor, field) for field, key in LIMITS.items() if math.isfinite(getattr(sensor, field))}
     bias = f"mean error {part.bias.value:.3g} +- {part.bias.se:.2g}"
     source = _words(f"{part.readings} readings of {part.objects} objects, {bias}", part.left_out, part.note)
     return {**old, "source": source, **new, "counts": {"objects": part.objects, "readings": part.readings}}
@@ -162,7 +185,8 @@ def _confusion(table: Mapping[str, Any], network: Network, sensor: ConfusionSens
     given = {"outcomes": list(sensor.outcomes), "given": _nested(states, sensor.by_state.tolist())}
     if part.counts is None:
         return {**old, **given}
-    old = {key: value for key, value in old.items() if key not in ("counts", "source")}
+    old = {key: value for key, value in old.items() if key not in ("counts", "source", "repeat_probability")}
+    given |= {"repeat_probability": sensor.repeat_probability} if sensor.repeat_probability else {}
     source = _words(f"{part.readings} labels of {part.objects} objects", (), part.note)
     return {**old, "source": source, **given, "counts": _nested(states, part.counts.tolist())}
 

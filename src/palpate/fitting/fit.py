@@ -14,6 +14,7 @@ from palpate.fitting.errors import FittingError
 from palpate.fitting.noise import TOO_FEW as FEW_READINGS
 from palpate.fitting.noise import fit_noise
 from palpate.fitting.parts import Fitted, PropertyPart, SensorPart
+from palpate.fitting.repeats import repeat_probability
 from palpate.fitting.settings import Settings
 from palpate.fitting.tables import dirichlet_mean, labels_of, looks, state_counts
 from palpate.fitting.template import Template
@@ -124,8 +125,11 @@ def _fit_sensor(
 ) -> tuple[Action, SensorPart]:
     sensor = action.sensor
     if not isinstance(sensor, ConfusionSensor):
-        noise, part = fit_noise(action.name, sensor, specimens)
+        noise, part = fit_noise(action.name, sensor, specimens, whole=settings.whole_sensors)
         return replace(action, sensor=noise), part if part.bias else replace(part, note=NOTHING)
+    if settings.whole_sensors:
+        repeats = repeat_probability(network, action.name, sensor, specimens)
+        sensor = sensor if repeats is None else replace(sensor, repeat_probability=repeats)
     counts, weights = looks(network, action.name, sensor, specimens)
     if not counts.any():
         return action, SensorPart(note=NOTHING)

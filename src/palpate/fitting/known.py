@@ -18,6 +18,8 @@ from palpate.network.properties import CategoricalProperty, Property
 from palpate.store import schema
 from palpate.store.decoding import entry_from
 from palpate.store.entries import Distribution, Entry, FailedEntry, Value
+from palpate.store.legible import reading
+from palpate.store.seals import sealed_document
 from palpate.store.store import Store
 
 __all__ = ["CERTAIN", "Known", "known_properties", "truth_of"]
@@ -37,14 +39,15 @@ class Known:
 def known_properties(store: Store) -> Iterator[Known]:
     """All that is known of objects to be true; what is known of one merged into another counts as of that one."""
     things, known, recordings = schema.things.c, schema.thing_properties.c, schema.recordings.c
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         heads = {row.id: row.merged_into or row.id for row in connection.execute(select(things.id, things.merged_into))}
         for thing, document in connection.execute(select(known.thing_id, known.document).order_by(known.id)):
             yield Known(heads[thing], entry_from(json.loads(document)))
-        true = select(recordings.thing_id, recordings.document).where(recordings.ground_truth).order_by(recordings.id)
-        for thing, document in connection.execute(true):
-            for entry in json.loads(document)["entries"]:
-                yield Known(heads[thing], entry_from(entry))
+        columns = [recordings[name] for name in ("thing_id", "uuid", "digest", "document", "seal")]
+        true = select(*columns, things.dataset, things.name).outerjoin(schema.things, things.id == recordings.thing_id)
+        for row in connection.execute(true.where(recordings.ground_truth).order_by(recordings.id)).mappings():
+            for entry in sealed_document(row)["entries"]:
+                yield Known(heads[row["thing_id"]], entry_from(entry))
 
 
 def truth_of(gathered: Gathered, known: Iterable[Known]) -> Mapping[int, Mapping[str, str | float]]:

@@ -1,9 +1,10 @@
 """The noise of a sensor of a number, from readings of objects whose true value is known.
 
-The most likely SD, with a part in proportion to the true value and an offset shared by the readings of an object where
-the template has them; readings beyond saturation are censored. First the noise is fitted with the heavy tails of
-Student's t with 4 degrees of freedom (Lange, Little and Taylor 1989, Robust statistical modeling using the t
-distribution); a reading is left out where not even one in twenty sets of so many has one so far out.
+The most likely SD, with a part in proportion to the true value where the template has one, and an offset shared by the
+readings of an object and a bias where it has them or they are asked for; readings beyond saturation are censored. First
+the noise is fitted with the heavy tails of Student's t with 4 degrees of freedom (Lange, Little and Taylor 1989, Robust
+statistical modeling using the t distribution); a reading is left out where not even one in twenty sets of so many has
+one so far out.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from palpate.fitting.likelihood import maximise
 from palpate.fitting.parts import Bias, SensorPart
 from palpate.fitting.readings import Readings, readings_of
 from palpate.fitting.robust import FEWEST, LEAST, SURE, resolution
-from palpate.network.sensors import NormalNoise, NumberSensor, StudentTNoise
+from palpate.fitting.shared_offsets import log_likelihood
+from palpate.network.sensors import NumberSensor, StudentTNoise
 
 __all__ = ["TOO_FEW", "fit_noise"]
 
@@ -38,24 +40,58 @@ NEGLIGIBLE = 1e-3
 """A part of the noise below this fraction of the whole is left away."""
 
 
-def fit_noise(action: str, sensor: NumberSensor, specimens: Sequence[Specimen]) -> tuple[NumberSensor, SensorPart]:
-    """Fit a sensor; it stays as it is where there are too few readings."""
+def fit_noise(
+    action: str, sensor: NumberSensor, specimens: Sequence[Specimen], *, whole: bool = False
+) -> tuple[NumberSensor, SensorPart]:
+    """Fit a sensor; it stays as it is where there are too few readings.
+
+    Parameters
+    ----------
+    whole
+        Whether its bias, its saturation and an offset that the readings of an object share are estimated too, where
+        the readings tell of them; otherwise a bias and an offset are only where the sensor has one.
+    """
     readings = readings_of(action, sensor, specimens)
     if int(readings.exact.sum()) < TOO_FEW or not np.any(_errors(readings)):
         return sensor, SensorPart(objects=len(readings.names), readings=len(readings.value))
-    used = _plausible(sensor, readings)
+    bare = replace(sensor, bias=0.0)
+    if whole:
+        bare = replace(_saturating(bare, readings), offset_sd=sensor.offset_sd or _first_offset(readings))
+    used = _plausible(bare, readings)
     kept = readings.only(used)
     if not np.any(_errors(kept)):
         used, kept = np.ones_like(used), readings
-    found, _ = _most_likely(sensor, kept, biased=False)
+    biased, shift = _most_likely(bare, kept, biased=True)
+    bias = _bias(biased, shift, kept)
+    if (whole or sensor.bias) and abs(shift) > bias.se:
+        found = replace(biased, bias=float(f"{shift:.{DIGITS}g}"))
+    else:
+        found, _ = _most_likely(bare, kept, biased=False)
     part = SensorPart(
         objects=len(set(kept.thing.tolist())),
         readings=len(kept.value),
         saturated=int((~kept.exact).sum()),
         left_out=tuple(readings.names[thing] for thing in readings.thing[~used]),
-        bias=_bias(sensor, kept),
+        bias=bias,
     )
     return _rounded(found, kept), part
+
+
+def _saturating(sensor: NumberSensor, readings: Readings) -> NumberSensor:
+    """The sensor with the limits that its bounds tell: where all are the same, and no reading is beyond."""
+    exact, found = readings.value[readings.exact], sensor
+    above, below = (np.unique(readings.value[readings.side == side]) for side in (1.0, -1.0))
+    if len(above) == 1 and np.all(exact <= above[0]):
+        found = replace(found, high=float(above[0]))
+    if len(below) == 1 and np.all(exact >= below[0]):
+        found = replace(found, low=float(below[0]))
+    return found
+
+
+def _first_offset(readings: Readings) -> float:
+    """An offset to begin the search with; none where too few objects were read more than once."""
+    several = np.bincount(readings.thing[readings.exact], minlength=len(readings.names)) > 1
+    return float(np.abs(_errors(readings)).max()) if int(several.sum()) >= TOO_FEW else 0.0
 
 
 def _errors(readings: Readings) -> Array:
@@ -98,24 +134,9 @@ def _most_likely(sensor: NumberSensor, readings: Readings, *, biased: bool) -> t
 
 
 def _log_likelihood(sensor: NumberSensor, bias: float, readings: Readings) -> float:
-    if not sensor.offset_sd:
-        return float(readings.log_likelihoods(sensor, bias).sum())
-    if isinstance(sensor.noise, NormalNoise) and readings.exact.all():
-        return _shared(sensor, bias, readings)
-    return float(sum(sensor.log_likelihood(found, np.array([x]))[0] for x, found in readings.by_thing(bias)))
-
-
-def _shared(sensor: NumberSensor, bias: float, readings: Readings) -> float:
-    """As `NumberSensor.log_likelihood` in closed form, of all objects at once."""
-    error, count = readings.value - bias - readings.truth, len(readings.names)
-    precision = sensor.scale(readings.truth) ** -2.0
-    total = np.bincount(readings.thing, precision, count)
-    there = total > 0
-    variance = 1 / total[there]
-    mean = np.bincount(readings.thing, precision * error, count)[there] * variance
-    wide = variance + sensor.offset_sd**2
-    swap = 0.5 * mean**2 * (1 / variance - 1 / wide) + 0.5 * np.log(variance / wide)
-    return float(readings.log_likelihoods(sensor, bias).sum() + swap.sum())
+    if sensor.offset_sd:
+        return log_likelihood(sensor, bias, readings)
+    return float(readings.log_likelihoods(sensor, bias).sum())
 
 
 def _shared_out(noise: float, readings: Readings, parts: Sequence[str]) -> dict[str, float]:
@@ -125,9 +146,8 @@ def _shared_out(noise: float, readings: Readings, parts: Sequence[str]) -> dict[
     return {name: share / size if name == "relative_sd" else share for name in parts}
 
 
-def _bias(sensor: NumberSensor, readings: Readings) -> Bias:
+def _bias(found: NumberSensor, bias: float, readings: Readings) -> Bias:
     """The bias, with the sandwich estimate of its standard error over objects (Liang and Zeger 1986)."""
-    found, bias = _most_likely(sensor, readings, biased=True)
     whole = replace(found, offset_sd=0.0, sd=float(np.hypot(found.sd, found.offset_sd)))
     step = 1e-3 * float(np.median(whole.scale(readings.truth)))
     lower, middle, upper = (readings.log_likelihoods(whole, bias + shift) for shift in (-step, 0.0, step))

@@ -99,6 +99,11 @@ class Fitted:
     actions: Mapping[str, SensorPart] = field(default_factory=dict)
 
     @property
+    def sensors_only(self) -> bool:
+        """Whether no property has new numbers: objects, and what is believed of them beforehand, are as before."""
+        return not any(part.objects for part in self.properties.values())
+
+    @property
     def estimated(self) -> tuple[str, ...]:
         """Names of the properties and actions that have new numbers, or counts."""
         properties = [name for name, part in self.properties.items() if part.counts is not None and part.objects]

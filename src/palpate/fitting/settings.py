@@ -24,10 +24,13 @@ class Settings:
         score on new objects, summed over all tables, was the best of 0.05, 0.1, 0.2, 0.5 and 1, or within 0.002 bits.
     keep
         Properties and actions whose numbers stay those of the template.
+    whole_sensors
+        Whether not only noise and confusion of sensors are estimated, but bias, saturation and what repetitions share.
     """
 
     pseudo_count: float = 0.2
     keep: tuple[str, ...] = ()
+    whole_sensors: bool = False
 
     def __post_init__(self) -> None:
         if not 0 < self.pseudo_count < 1e9:

@@ -21,6 +21,7 @@ from palpate.outcomes import Above, Below, Failed, Label, Outcome, Reading
 from palpate.store import schema
 from palpate.store.content import entry_plain, to_json
 from palpate.store.filters import Filter
+from palpate.store.legible import reading
 from palpate.store.rows import EPOCH
 from palpate.store.store import Store
 
@@ -80,7 +81,7 @@ def _place(store: Store) -> str:
 def _names(store: Store) -> dict[int, str]:
     """The name of the object that each row of an object counts as: its dataset and its name there."""
     things = schema.things.c
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         rows = connection.execute(select(things.id, things.dataset, things.name, things.merged_into)).all()
     own = {row.id: f"{row.dataset}/{row.name}" for row in rows}
     return {row.id: own[row.merged_into or row.id] for row in rows}
@@ -91,7 +92,7 @@ def _of_dataset(name: str, wanted: Filter) -> bool:
 
 
 def _readings(store: Store, wanted: Filter) -> Iterator[Row[*tuple[Any, ...]]]:
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         yield from connection.execution_options(stream_results=True).execute(_asked(wanted))
 
 

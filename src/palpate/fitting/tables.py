@@ -13,7 +13,7 @@ from palpate.network.properties import CategoricalProperty
 from palpate.network.sensors import ConfusionSensor
 from palpate.outcomes import Label
 
-__all__ = ["dirichlet_mean", "labels_of", "looks", "state_counts"]
+__all__ = ["dirichlet_mean", "labels_of", "looks", "seen", "state_counts"]
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -73,14 +73,14 @@ def looks(
     assert isinstance(measured, CategoricalProperty)
     counts = np.zeros((len(measured.states), len(sensor.outcomes)), dtype=np.int64)
     weights = np.zeros(counts.shape)
-    for state, places in _seen(measured, action, sensor, specimens):
+    for state, places in seen(measured, action, sensor, specimens):
         share = 1 / (1 + (len(places) - 1) * sensor.repeat_probability**2)
         np.add.at(counts[state], places, 1)
         np.add.at(weights[state], places, share)
     return counts, weights
 
 
-def _seen(
+def seen(
     measured: CategoricalProperty, action: str, sensor: ConfusionSensor, specimens: Sequence[Specimen]
 ) -> Iterator[tuple[int, list[int]]]:
     """Of each object that was looked at, its state and the outcomes, as places in their lists."""

@@ -142,7 +142,7 @@ def _within(sensor: NumberSensor, low: float, high: float) -> tuple[float, float
 def reading_ends(sensor: NumberSensor, low: float, high: float) -> tuple[float, float]:
     """Ends of the readings that true values from low to high give, where the sensor does not saturate."""
     far = _reach(sensor) * float(np.hypot(sensor.scale(np.array([low, high])).max(), sensor.offset_sd))
-    return _within(sensor, low - far, high + far)
+    return _within(sensor, low + sensor.bias - far, high + sensor.bias + far)
 
 
 def reading_mesh_again(sensor: NumberSensor, kernel: Kernel) -> Mesh:
@@ -180,19 +180,20 @@ def reading_mesh(sensor: NumberSensor, meshes: Sequence[Mesh], corners: Array, o
     ends = np.array([min(m.edges[0] for m in meshes), max(m.edges[-1] for m in meshes)])
     sharp = HEAVY_SHARP if isinstance(sensor.noise, StudentTNoise) else 1.0
     low, high = reading_ends(sensor, ends[0], ends[1])
-    y = _sampled(low, high, meshes)
-    inside = np.clip(y, *ends)
+    # what is wanted of a reading is worked out where the true value would be if there were no noise
+    x = _sampled(low - sensor.bias, high - sensor.bias, meshes)
+    inside = np.clip(x, *ends)
     noise = np.hypot(sensor.scale(inside), sensor.offset_sd)
     fine = np.min([m.widths_at(inside) for m in meshes], axis=0) / WIDTH * (not only_noise)
     # Near a corner of the densities only the noise smooths the readings'.
     for corner in corners:
-        near = np.abs(y - corner)
+        near = np.abs(x - corner)
         fine, noise = np.minimum(fine, 0.3 * near), noise * np.minimum(1.0, 0.5 + 0.1 * near / noise)
     # Beyond the property's mesh there is only the tail of the noise, which changes ever more slowly.
-    wanted = 1 / (WIDTH * sharp * np.hypot(np.hypot(noise, fine), 0.25 * np.abs(y - inside)))
-    total = np.concatenate([[0.0], np.cumsum((wanted[1:] + wanted[:-1]) / 2 * np.diff(y))])
+    wanted = 1 / (WIDTH * sharp * np.hypot(np.hypot(noise, fine), 0.25 * np.abs(x - inside)))
+    total = np.concatenate([[0.0], np.cumsum((wanted[1:] + wanted[:-1]) / 2 * np.diff(x))])
     panels = int(np.ceil(total[-1]))
-    edges = np.interp(np.linspace(0, total[-1], panels + 1), total, y)
+    edges = np.interp(np.linspace(0, total[-1], panels + 1), total, x) + sensor.bias
     return Mesh(edges, np.zeros(panels, dtype=bool), low)
 
 

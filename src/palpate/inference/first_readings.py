@@ -101,9 +101,9 @@ def _charts(
 ) -> Iterator[tuple[Index, Chart, _Windows | None]]:
     """Charts that hold the likelihood of some readings: their rows, the chart, and each one's window in it."""
     scale = float(np.hypot(sensor.sd, sensor.offset_sd))
-    order = np.argsort(values)
+    order, about = np.argsort(values), values - sensor.bias
     if len(frame.axes) == 1:
-        *_, held = _panels(group.master_mesh(frame, 0), values, scale, ALONE)
+        *_, held = _panels(group.master_mesh(frame, 0), about, scale, ALONE)
         if held.any():
             yield order[held[order]], group.whole(frame), None
         return
@@ -111,7 +111,7 @@ def _charts(
     for level in range(MASTER_LEVELS):
         mesh = group.master_mesh(frame, level)
         end = len(mesh.edges) - 1
-        first, last, held = _panels(mesh, values, scale, 1.0)
+        first, last, held = _panels(mesh, about, scale, 1.0)
         rows = order[(held & left)[order]]
         left &= ~held
         for some in np.split(rows, range(ROWS, len(rows), ROWS)):

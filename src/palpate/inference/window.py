@@ -104,8 +104,8 @@ def _pooled(sensor: NumberSensor, outcomes: Sequence[NumberOutcome]) -> list[tup
     readings = [o for o in outcomes if isinstance(o, Reading)]
     if not readings:
         return []
-    values = [r.value for r in readings]
-    scales = [float(sensor.scale(np.array([r.value]), r.sd)[0]) for r in readings]
+    values = [r.value - sensor.bias for r in readings]
+    scales = [float(sensor.scale(np.array([v]), r.sd)[0]) for v, r in zip(values, readings, strict=True)]
     if sensor.relative_sd:
         least = 1e-6 * max(*map(abs, values), 1e-6)
         scales = [max(scale, least) for scale in scales]
@@ -127,12 +127,13 @@ def _pooled(sensor: NumberSensor, outcomes: Sequence[NumberOutcome]) -> list[tup
 def _bound(sensor: NumberSensor, outcome: NumberOutcome) -> Window:
     """The half line that a bound leaves, soft over the scale of the noise."""
     assert not isinstance(outcome, Reading)
-    scale = float(np.hypot(sensor.scale(np.array([outcome.bound]), outcome.sd)[0], sensor.offset_sd))
+    bound = outcome.bound - sensor.bias
+    scale = float(np.hypot(sensor.scale(np.array([bound]), outcome.sd)[0], sensor.offset_sd))
     reach = REACH * scale * (1 + REACH * sensor.relative_sd)
-    fine = ((outcome.bound - reach, outcome.bound + reach, scale),)
+    fine = ((bound - reach, bound + reach, scale),)
     if isinstance(outcome, Above):
-        return Window(outcome.bound - reach, np.inf, fine)
-    return Window(-np.inf, outcome.bound + reach, fine)
+        return Window(bound - reach, np.inf, fine)
+    return Window(-np.inf, bound + reach, fine)
 
 
 def resolve(prior: Mesh, window: Window, support: tuple[float, float], whole: bool) -> Mesh:

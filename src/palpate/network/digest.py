@@ -15,6 +15,8 @@ from palpate.network.model import Network
 
 __all__ = ["digest"]
 
+NO_MODEL = ("description", "text")
+
 
 def digest(network: Network) -> str:
     """Return 16 hexadecimal digits of the SHA-256 of the properties and the actions.
@@ -28,8 +30,11 @@ def digest(network: Network) -> str:
 
 def _plain(value: Any) -> Any:
     if is_dataclass(value):
-        kept = (field.name for field in fields(value) if field.name not in ("description", "text"))
-        return [type(value).__name__, *([name, _plain(getattr(value, name))] for name in kept)]
+        kept = {field.name: getattr(value, field.name) for field in fields(value) if field.name not in NO_MODEL}
+        # a bias came later: networks without one keep the digest that older logs have
+        if kept.get("bias") == 0:
+            del kept["bias"]
+        return [type(value).__name__, *([name, _plain(item)] for name, item in kept.items())]
     if isinstance(value, Mapping):
         return [[key, _plain(item)] for key, item in value.items()]
     if isinstance(value, np.ndarray):

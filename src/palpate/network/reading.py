@@ -58,6 +58,7 @@ The format, ``palpate-network/1``::
     sd = 6                              # and/or relative_sd, a fraction of the true value
     saturates_above = 5000              # and/or saturates_below
     offset_sd = 2                       # common to all readings of one object; default 0
+    bias = 1.5                          # readings are so much too high on average; default 0
 
     [objects.tin_mug]                   # for simulation and scoring
     description = "..."

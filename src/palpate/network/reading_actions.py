@@ -19,8 +19,8 @@ __all__ = ["SENSORS", "read_actions"]
 
 SENSORS: Mapping[str, tuple[str, ...]] = {
     "confusion": ("outcomes", "given", "csv", "repeat_probability"),
-    "normal": ("sd", "relative_sd", "saturates_below", "saturates_above", "offset_sd"),
-    "student-t": ("scale", "relative_scale", "dof", "saturates_below", "saturates_above", "offset_sd"),
+    "normal": ("sd", "relative_sd", "saturates_below", "saturates_above", "offset_sd", "bias"),
+    "student-t": ("scale", "relative_scale", "dof", "saturates_below", "saturates_above", "offset_sd", "bias"),
 }
 """The kinds of sensors and the keys of each, besides ``property`` and ``kind``."""
 
@@ -95,4 +95,5 @@ def _read_number(section: Section, name: str) -> NumberSensor:
         low=low,
         high=high,
         offset_sd=section.between("offset_sd", 0, 1e300, 0.0),
+        bias=section.number("bias", 0.0),
     )

@@ -167,6 +167,17 @@ class Kernel:
         return self._mix(self.noise.cdf((self.centre[:, :, None] - y) / self.scale[:, :, None]))
 
 
+def offset_nodes(offset_sd: float, least: float) -> tuple[Array, Array]:
+    """Values of an offset N(0, offset_sd^2) and their probabilities, fine enough for noise of scale `least`."""
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    panels = int(np.clip(np.ceil(16 * offset_sd / (2 * max(min(least, offset_sd), 1e-9))), 8, 400))
+    edges = np.linspace(-8 * offset_sd, 8 * offset_sd, panels + 1)
+    half = (edges[1] - edges[0]) / 2
+    offsets = ((edges[:-1] + half)[:, None] + half * nodes).ravel()
+    weight = np.exp(-0.5 * (offsets / offset_sd) ** 2) * np.tile(weights * half, panels)
+    return offsets, weight / weight.sum()
+
+
 @dataclass(frozen=True, eq=False)
 class NumberSensor:
     """A sensor of a continuous or derived property that returns a number in its unit.
@@ -182,6 +193,8 @@ class NumberSensor:
         `Above(high)` (a Tobit likelihood with an atom at each finite end).
     offset_sd
         SD of an offset common to all readings of one object, N(0, offset_sd^2).
+    bias
+        By how much readings are too high on average, in the property's unit.
     """
 
     property: str
@@ -191,6 +204,7 @@ class NumberSensor:
     low: float = -np.inf
     high: float = np.inf
     offset_sd: float = 0.0
+    bias: float = 0.0
 
     def scale(self, x: Array, sd: float | None = None) -> Array:
         """Scale of the noise at true values x; `sd` is an outcome's own."""
@@ -212,17 +226,11 @@ class NumberSensor:
 
     def _offset(self, outcomes: Sequence[NumberOutcome], x: Array) -> tuple[Array, Array, Array]:
         """Posterior of the shared offset given x: (log evidence (X,), offsets (X, O), weights (X, O))."""
-        nodes, weights = np.polynomial.legendre.leggauss(8)
-        least = min([self.offset_sd, *(float(self.scale(x, o.sd).min()) for o in outcomes), float(self.scale(x).min())])
-        panels = int(np.clip(np.ceil(16 * self.offset_sd / (2 * max(least, 1e-9))), 8, 400))
-        edges = np.linspace(-8 * self.offset_sd, 8 * self.offset_sd, panels + 1)
-        half = (edges[1] - edges[0]) / 2
-        offsets = ((edges[:-1] + half)[:, None] + half * nodes).ravel()[None, :]
-        z = offsets / self.offset_sd
-        log_weight = -0.5 * z * z + np.log(np.tile(weights * half, panels))[None, :]
-        log_weight = np.broadcast_to(log_weight - special.logsumexp(log_weight), (x.size, offsets.size))
+        least = min([*(float(self.scale(x, o.sd).min()) for o in outcomes), float(self.scale(x).min())])
+        nodes, weight = offset_nodes(self.offset_sd, least)
+        offsets, log_weight = nodes[None, :], np.broadcast_to(np.log(weight), (x.size, nodes.size))
         for outcome in outcomes:
-            log_weight = log_weight + self._log_term(outcome, x, x[:, None] + offsets)
+            log_weight = log_weight + self._log_term(outcome, x, (x + self.bias)[:, None] + offsets)
         total = special.logsumexp(log_weight, axis=1)
         safe = np.where(np.isfinite(total), total, 0.0)
         return total, np.broadcast_to(offsets, log_weight.shape), np.exp(log_weight - safe[:, None])
@@ -245,35 +253,36 @@ class NumberSensor:
         if not outcomes:
             return np.zeros_like(x)
         if not self.offset_sd:
-            first, *more = (self._log_term(o, x, x) for o in outcomes)
+            first, *more = (self._log_term(o, x, x + self.bias) for o in outcomes)
             return np.asarray(sum(more, first))
         if not self._closed(outcomes):
             parts = [x[start : start + CHUNK] for start in range(0, len(x), CHUNK)]
             return np.concatenate([self._offset(outcomes, part)[0] for part in parts])
         # Given the pooled mean the readings do not depend on x + offset: swap its variance.
         mean, variance = self._pooled(outcomes, x)
-        first, *more = (self._log_term(o, x, x) for o in outcomes)
+        middle = x + self.bias
+        first, *more = (self._log_term(o, x, middle) for o in outcomes)
         independent = sum(more, first)
         wide = variance + self.offset_sd**2
-        swap = 0.5 * (mean - x) ** 2 * (1 / variance - 1 / wide) + 0.5 * np.log(variance / wide)
+        swap = 0.5 * (mean - middle) ** 2 * (1 / variance - 1 / wide) + 0.5 * np.log(variance / wide)
         return np.asarray(independent + swap)
 
     def predictive(self, outcomes: Sequence[NumberOutcome], x: Array, sd: float | None = None) -> Kernel:
         """The next reading's distribution given x and the readings so far."""
-        scale = self.scale(x, sd)
+        scale, middle = self.scale(x, sd), x + self.bias
         if not self.offset_sd:
-            return Kernel(self.noise, x[:, None], scale[:, None], np.ones((x.size, 1)))
+            return Kernel(self.noise, middle[:, None], scale[:, None], np.ones((x.size, 1)))
         if not self._closed(outcomes):
             _, offsets, weights = self._offset(outcomes, x)
-            centre = x[:, None] + offsets
+            centre = middle[:, None] + offsets
             return Kernel(self.noise, centre, np.broadcast_to(scale[:, None], centre.shape), weights)
         variance_offset, shift = np.full_like(x, self.offset_sd**2), np.zeros_like(x)
         if outcomes:
             mean, variance = self._pooled(outcomes, x)
             share = variance_offset / (variance_offset + variance)
-            variance_offset, shift = variance_offset * (1 - share), share * (mean - x)
+            variance_offset, shift = variance_offset * (1 - share), share * (mean - middle)
         total = np.sqrt(scale**2 + variance_offset)
-        return Kernel(self.noise, (x + shift)[:, None], total[:, None], np.ones((x.size, 1)))
+        return Kernel(self.noise, (middle + shift)[:, None], total[:, None], np.ones((x.size, 1)))
 
 
 Sensor = ConfusionSensor | NumberSensor

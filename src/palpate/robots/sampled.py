@@ -92,7 +92,7 @@ class SampledRobot:
         if action not in self._shared_offsets:
             self._shared_offsets[action] = sensor.offset_sd * float(self._rng.standard_normal())
         scale = float(sensor.scale(np.array([truth]))[0])
-        value = truth + self._shared_offsets[action] + scale * sensor.noise.draw(self._rng)
+        value = truth + sensor.bias + self._shared_offsets[action] + scale * sensor.noise.draw(self._rng)
         if value > sensor.high:
             return Above(sensor.high)
         return Below(sensor.low) if value < sensor.low else Reading(value)

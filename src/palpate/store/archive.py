@@ -96,13 +96,13 @@ class Archive:
         count, used, wrong = _write_recordings(selection, folder, kept, units, told)
         episodes = episodes_with(selection)
         things = things_with(selection, episodes)
-        write_things(selection.connection, things, selection.store.blobs, folder, kept)
+        pictures = write_things(selection, things, folder, kept)
         write_episodes(selection.connection, episodes, folder)
         digests = {name: file_digest(folder / name) for name in (*TABLES, *MORE_TABLES)}
         counts = {"recordings": count, "episodes": len(episodes)}
         manifest = {"format": NAME, "version": VERSION, **counts, "units": used, "wrong": wrong, "sha256": digests}
         (folder / MANIFEST).write_text(to_json(manifest) + "\n", encoding="utf-8")
-        return Written(count, tuple(_left_out(selection, len(things), len(episodes))))
+        return Written(count, (*_left_out(selection, len(things), len(episodes)), *pictures))
 
 
 def _left_out(selection: Selection, things: int, episodes: int) -> Iterator[str]:

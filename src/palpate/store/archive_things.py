@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import Connection, select
+from sqlalchemy import select
 
 from palpate.store import schema
 from palpate.store.blobs import Blobs
 from palpate.store.content import entry_plain, to_json
 from palpate.store.decoding import entry_from
+from palpate.store.errors import DamagedError
 from palpate.store.exporting.selection import Selection
 from palpate.store.records import ThingRef
 from palpate.store.things import Image, Known, Thing, things_where
@@ -65,17 +67,33 @@ def things_with(selection: Selection, episodes: Sequence[int]) -> list[int]:
     return sorted(found)
 
 
-def write_things(connection: Connection, ids: Sequence[int], blobs: Blobs, folder: Path, kept: Blobs) -> None:
-    """Write the objects of rows, and their images among the blobs of the archive."""
+def write_things(selection: Selection, ids: Sequence[int], folder: Path, kept: Blobs) -> list[str]:
+    """Write the objects of rows, and their images among the blobs of the archive; tell which images are left out."""
     import pyarrow as pa
     from pyarrow.parquet import ParquetWriter
 
+    left: list[str] = []
     with ParquetWriter(folder / OBJECTS, objects_schema()) as writer:
         for part in _parts(ids):
-            things = list(things_where(connection, schema.things.c.id.in_(part)))
-            writer.write_table(pa.Table.from_pylist(list(map(_row, things)), schema=objects_schema()))
-            for image in (image for thing in things for image in thing.images):
-                kept.put(image.sha256, blobs.get(image.sha256))
+            things = things_where(selection.connection, schema.things.c.id.in_(part))
+            rows = [_row(_pictured(thing, selection, kept, left)) for thing in things]
+            writer.write_table(pa.Table.from_pylist(rows, schema=objects_schema()))
+    return left
+
+
+def _pictured(thing: Thing, selection: Selection, kept: Blobs, left: list[str]) -> Thing:
+    """The object with its images among the blobs; without one that is damaged, where that may be left out."""
+    images = []
+    for image in thing.images:
+        try:
+            kept.put(image.sha256, selection.store.blobs.get(image.sha256))
+        except DamagedError as error:
+            if not selection.forgiving:
+                raise
+            left.append(f"image {image.name} of object {thing.path}: {error}; left out")
+        else:
+            images.append(image)
+    return replace(thing, images=tuple(images))
 
 
 def _parts(ids: Sequence[int]) -> Iterator[Sequence[int]]:

@@ -13,7 +13,9 @@ from sqlalchemy import Connection, Select, insert, select, update
 from palpate.store import schema
 from palpate.store.completing import CHANGED
 from palpate.store.content import to_json
+from palpate.store.decoding import entry_from
 from palpate.store.errors import StoreError
+from palpate.store.legible import legible, reading
 from palpate.store.records import ThingRef
 from palpate.store.registry import now_us, thing_of
 from palpate.store.rows import EPOCH
@@ -59,7 +61,7 @@ def history(store: Store, thing: ThingRef | None = None) -> tuple[Change, ...]:
     asked = _lines().order_by(schema.audit.c.id)
     if thing is not None:
         asked = asked.where(is_thing(thing))
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         return tuple(_change(row) for row in connection.execute(asked).mappings())
 
 
@@ -102,17 +104,28 @@ def _lines() -> Select[*tuple[Any, ...]]:
 
 
 def _change(row: Row) -> Change:
-    audit = schema.audit.c
+    audit, thing = schema.audit.c, thing_of({column.name: row[column] for column in schema.things.c})
     undone = row[audit.undone_us]
-    return Change(
-        at=_moment(row[audit.at_us]),
-        who=row[audit.who],
-        what=row[audit.what],
-        thing=thing_of({column.name: row[column] for column in schema.things.c}),
-        detail=json.loads(row[audit.detail]),
-        undone_at=None if undone is None else _moment(undone),
-        undone_by=row[audit.undone_by],
-    )
+    with legible(f"the audit of object {thing.dataset}/{thing.id}"):
+        return Change(
+            at=_moment(row[audit.at_us]),
+            who=row[audit.who],
+            what=row[audit.what],
+            thing=thing,
+            detail=_checked(json.loads(row[audit.detail])),
+            undone_at=None if undone is None else _moment(undone),
+            undone_by=row[audit.undone_by],
+        )
+
+
+def _checked(detail: Any) -> Any:
+    """What was there before and after, if it is of the form in which it is noted; an error of any kind where not."""
+    for part in detail if isinstance(detail, list) else ():
+        is_known = ".".join(part["field"]).startswith("known.")
+        for side in (part[name] for name in ("before", "after") if is_known and name in part):
+            entry_from(side)
+    "/".join(detail.get("into", ()) if isinstance(detail, dict) else ())
+    return detail
 
 
 def _moment(us: int) -> datetime:

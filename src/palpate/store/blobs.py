@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import tempfile
@@ -12,13 +13,14 @@ from pathlib import Path
 from typing import Protocol
 
 from palpate.store.content import file_digest
-from palpate.store.durable import sync_folder
+from palpate.store.durable import make_folder, sync_folder
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
 
 __all__ = ["Blobs", "FolderBlobs", "is_digest"]
 
 DRAFT = ".draft-"
 DAMAGED = ".damaged"
+LEAVING = ".leaving"
 DIGEST = re.compile("[0-9a-f]{64}")
 
 
@@ -26,7 +28,10 @@ class Blobs(Protocol):
     """Where large bytes are kept. A digest is 64 hexadecimal digits."""
 
     def put(self, digest: str, data: bytes | Path) -> None:
-        """Keep bytes, or those of a file, under their digest; nothing is written where they are there already."""
+        """Keep bytes, or those of a file, under their digest.
+
+        Where they are there already they count as written now, so that nobody takes them for left over from long ago.
+        """
 
     def get(self, digest: str) -> bytes:
         """The bytes of a digest.
@@ -40,8 +45,8 @@ class Blobs(Protocol):
     def all(self) -> Iterator[tuple[str, float]]:
         """Each digest with the time it was written [s since 1970]."""
 
-    def remove(self, digest: str) -> None:
-        """Remove what nothing refers to."""
+    def remove(self, digest: str, written_before: float = math.inf) -> bool:
+        """Remove what nothing refers to, if it was written before a time [s since 1970]; whether it was."""
 
     def set_aside(self, digest: str) -> None:
         """Move damaged bytes away, so that the right ones can be put in their place."""
@@ -66,14 +71,14 @@ class FolderBlobs:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self._made = set[Path]()
 
     def put(self, digest: str, data: bytes | Path) -> None:
         """Keep bytes under their digest: written beside, flushed to the disk, renamed."""
         path = self._path(digest)
-        if path.exists():
-            return
         try:
-            self._write(path, digest, data)
+            if not _renewed(path):
+                self._write(path, digest, data)
         except OSError as error:
             if isinstance(data, Path) and error.filename == str(data):
                 raise StoreError(f"{data}: {error.strerror}, expected a file that can be read") from None
@@ -82,8 +87,12 @@ class FolderBlobs:
             ) from None
 
     def _write(self, path: Path, digest: str, data: bytes | Path) -> None:
-        is_new = not path.parent.exists()
-        path.parent.mkdir(parents=True, exist_ok=True)
+        if path.parent not in self._made:
+            # once for each process: another one may have made it and not be done
+            make_folder(path.parent)
+            sync_folder(self.folder)
+            sync_folder(self.folder.parent)
+            self._made.add(path.parent)
         handle, name = tempfile.mkstemp(prefix=DRAFT, dir=path.parent)
         draft = Path(name)
         try:
@@ -99,8 +108,6 @@ class FolderBlobs:
         finally:
             draft.unlink(missing_ok=True)
         sync_folder(path.parent)
-        if is_new:
-            sync_folder(self.folder)
 
     def get(self, digest: str) -> bytes:
         """The bytes of a digest, verified."""
@@ -117,9 +124,23 @@ class FolderBlobs:
             if is_digest(digest):
                 yield digest, path.stat().st_mtime
 
-    def remove(self, digest: str) -> None:
-        """Remove what nothing refers to."""
-        self._path(digest).unlink(missing_ok=True)
+    def remove(self, digest: str, written_before: float = math.inf) -> bool:
+        """Remove what nothing refers to, if it is old enough.
+
+        It is moved away first, and looked at then: who puts it meanwhile finds nothing and writes it again, and who
+        put it before has made it young.
+        """
+        path = self._path(digest)
+        leaving = path.with_name(path.name + LEAVING)
+        try:
+            path.replace(leaving)
+        except FileNotFoundError:
+            return False
+        if leaving.stat().st_mtime >= written_before:
+            leaving.replace(path)
+            return False
+        leaving.unlink()
+        return True
 
     def set_aside(self, digest: str) -> None:
         """Rename damaged bytes."""
@@ -153,6 +174,16 @@ def verified(digest: str, data: bytes, place: str) -> bytes:
     if sha256(data).hexdigest() != digest:
         raise DamagedError(f"blob {digest}: {len(data)} bytes in {place} are not the ones that were written")
     return data
+
+
+def _renewed(path: Path) -> bool:
+    """Whether there is a file, which counts as written now then."""
+    try:
+        os.utime(path)
+    except (FileNotFoundError, PermissionError, NotADirectoryError):
+        # that of another user is replaced by the same bytes
+        return False
+    return True
 
 
 def _pieces(data: bytes | Path) -> Iterator[bytes]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["BucketBlobs"]
 
+RENEWED_S = 12 * 3600.0
 ENDPOINTS = ("AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL", "AWS_ENDPOINT")
 
 
@@ -50,7 +53,9 @@ class BucketBlobs:
         """Keep bytes under their digest; an object appears whole or not at all."""
         import obstore
 
-        if self._there(digest):
+        # what is older is put again, so that nobody takes it for left over
+        written = self._written(digest)
+        if written is not None and written > time.time() - RENEWED_S:
             return
         # a file may have changed since its digest was taken
         if isinstance(data, Path) and file_digest(data) != digest:
@@ -80,30 +85,35 @@ class BucketBlobs:
                     if is_digest(digest) and _key(digest) == item["path"]:
                         yield digest, item["last_modified"].timestamp()
 
-    def remove(self, digest: str) -> None:
-        """Remove what nothing refers to."""
+    def remove(self, digest: str, written_before: float = math.inf) -> bool:
+        """Remove what nothing refers to, if it is old enough."""
         import obstore
 
+        if written_before < math.inf:
+            written = self._written(digest)
+            if written is None or written >= written_before:
+                return False
         with told(self.url):
             obstore.delete(self._store, _key(digest))
+        return True
 
     def set_aside(self, digest: str) -> None:
         """Rename damaged bytes."""
         import obstore
 
-        if self._there(digest):
+        if self._written(digest) is not None:
             with told(self.url):
                 obstore.rename(self._store, _key(digest), _key(digest) + DAMAGED)
 
-    def _there(self, digest: str) -> bool:
+    def _written(self, digest: str) -> float | None:
+        """When it was written [s since 1970]; None where it is not there."""
         import obstore
 
         try:
             with told(self.url):
-                obstore.head(self._store, _key(digest))
+                return obstore.head(self._store, _key(digest))["last_modified"].timestamp()
         except NotThereError:
-            return False
-        return True
+            return None
 
 
 def _key(digest: str) -> str:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from sqlalchemy import func, select
 
 from palpate.store import schema
+from palpate.store.legible import reading
 from palpate.store.records import Device
+from palpate.store.seals import checked_document
 from palpate.store.store import Store
 
 __all__ = ["KnownDevice", "devices_of"]
@@ -35,14 +35,18 @@ def devices_of(store: Store, name: str | None = None) -> tuple[KnownDevice, ...]
         .group_by(links.device_id)
         .subquery()
     )
-    asked = select(devices.c.document, counts.c["count"]).outerjoin(counts, counts.c.device_id == devices.c.id)
+    asked = select(devices.c.digest, devices.c.document, counts.c["count"]).outerjoin(
+        counts, counts.c.device_id == devices.c.id
+    )
     if name is not None:
         asked = asked.where(devices.c.name == name)
-    with store.engine.connect() as connection:
-        found = [KnownDevice(_device(row[0]), row[1] or 0) for row in connection.execute(asked.order_by(devices.c.id))]
+    with reading(store.engine) as connection:
+        found = [
+            KnownDevice(_device(row[0], row[1]), row[2] or 0)
+            for row in connection.execute(asked.order_by(devices.c.id))
+        ]
     return tuple(sorted(found, key=lambda one: (one.device.kind, one.device.name, one.device.calibrated_on or "")))
 
 
-def _device(document: str) -> Device:
-    plain: Mapping[str, Any] = json.loads(document)
-    return Device(**plain)
+def _device(digest: bytes, document: str) -> Device:
+    return Device(**checked_document("devices", digest, document))

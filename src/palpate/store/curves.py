@@ -10,6 +10,7 @@ from sqlalchemy import select
 from palpate.store import schema
 from palpate.store.arrays import unpack_series
 from palpate.store.fetching import from_row_or_blob, parsed_layout
+from palpate.store.legible import reading
 from palpate.store.records import Series
 from palpate.store.store import Store
 
@@ -37,7 +38,7 @@ def curves_of_gripper(store: Store, gripper: str, *, action: str | None = None) 
     """
     recordings, series, layouts = schema.recordings.c, schema.series.c, schema.layouts.c
     asked = (
-        select(recordings.uuid, series.name, layouts.document, series.data, series.blob)
+        select(recordings.uuid, series.name, layouts.digest, layouts.document, series.data, series.blob)
         .join(schema.series, series.recording_id == recordings.id)
         .join(schema.layouts, layouts.id == series.layout_id)
         .where(recordings.gripper == gripper)
@@ -46,11 +47,11 @@ def curves_of_gripper(store: Store, gripper: str, *, action: str | None = None) 
     if action is not None:
         asked = asked.where(recordings.action == action)
     with (
-        store.engine.connect() as connection,
+        reading(store.engine) as connection,
         # closed also where one does not read to the end, as PostgreSQL holds the rest
         connection.execution_options(yield_per=AT_ONCE).execute(asked) as found,
     ):
         for part in found.partitions():
-            for uuid, name, layout, data, blob in part:
+            for uuid, name, digest, layout, data, blob in part:
                 packed = from_row_or_blob(data, blob, store.blobs) or b""
-                yield UUID(bytes=uuid), unpack_series(name, parsed_layout(layout), packed)
+                yield UUID(bytes=uuid), unpack_series(name, parsed_layout(digest, layout), packed)

@@ -12,7 +12,7 @@ from sqlalchemy import Connection, Engine, create_engine, event, inspect, text
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, DatabaseError
 
-from palpate.store.errors import StoreError, UnavailableError
+from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.outages import tell_outages
 
 __all__ = [
@@ -29,7 +29,7 @@ __all__ = [
     "writing",
 ]
 
-LATEST = "0002"
+LATEST = "0003"
 MIGRATIONS = Path(__file__).parent / "migrations"
 WAIT_S = 30
 PAGE_BYTES = 16384
@@ -205,6 +205,10 @@ def migrate(engine: Engine, target: str) -> None:
         # two programs may open a new store at once
         one_at_a_time(connection, MIGRATION_LOCK)
         found = revision(connection)
+        if found is None and inspect(connection).has_table("recordings"):
+            raise DamagedError(
+                f"store {engine.url!r}: does not say of which version its tables are, expected that it does"
+            )
         known = {script.revision for script in ScriptDirectory.from_config(config).walk_revisions()}
         if found is not None and found not in known:
             raise StoreError(

@@ -13,6 +13,7 @@ from uuid import UUID
 from palpate.store.content import KINDS, channel_arrays, digest_of
 from palpate.store.entries import Entry
 from palpate.store.errors import DamagedError
+from palpate.store.legible import legible
 from palpate.store.records import Device, FileItem, Pose, Recording, Series, Setup, ThingRef
 
 __all__ = ["Stored", "entry_from", "pose_from", "recording_from", "setup_from", "thing_from"]
@@ -47,6 +48,11 @@ def recording_from(stored: Stored) -> Recording:
     found = digest_of(stored.document.encode(), arrays, stored.log)
     if found != stored.digest:
         raise DamagedError(f"recording {stored.id}: digest {found}, expected {stored.digest}")
+    with legible(f"recording {stored.id}"):
+        return _put_together(stored)
+
+
+def _put_together(stored: Stored) -> Recording:
     plain = json.loads(stored.document)
     same = ("action", "owner", "licence", "ground_truth", "software", "repository", "grasp")
     return Recording(

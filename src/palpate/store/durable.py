@@ -5,7 +5,15 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-__all__ = ["sync_file", "sync_folder", "sync_tree"]
+__all__ = ["make_folder", "sync_file", "sync_folder", "sync_tree"]
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder, and those it is in where they are missing; the names of new ones are on the disk then."""
+    new = [one for one in (folder, *folder.parents) if not one.exists()]
+    folder.mkdir(parents=True, exist_ok=True)
+    for one in new:
+        sync_folder(one.parent)
 
 
 def sync_tree(folder: Path) -> None:

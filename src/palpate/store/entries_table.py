@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
-from datetime import timedelta
 from typing import TYPE_CHECKING, Any
 from uuid import UUID
 
@@ -13,10 +11,12 @@ from sqlalchemy import select
 from palpate.store import schema
 from palpate.store.archive_rows import entries_schema
 from palpate.store.content import to_json
-from palpate.store.decoding import entry_from
+from palpate.store.decoding import entry_from, moment_from
 from palpate.store.filters import Filter, Sort
+from palpate.store.legible import reading
 from palpate.store.listing import in_order, matching
-from palpate.store.rows import EPOCH, counted, entry_columns
+from palpate.store.rows import counted, entry_columns
+from palpate.store.seals import sealed_document
 from palpate.store.store import Store
 from palpate.store.units import deciding_units
 
@@ -46,11 +46,16 @@ def entries_table(
         Which recordings, and in which order; all, the last recorded first, unless given.
     limit
         Of how many recordings at most.
+
+    Raises
+    ------
+    DamagedError
+        If a recording is not what was written.
     """
     import pyarrow
 
     columns = entries_schema()
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         units = deciding_units(connection)
         found = connection.execution_options(yield_per=AT_ONCE).execute(_asked(wanted or Filter(), sort, limit))
         batches = [
@@ -63,24 +68,25 @@ def entries_table(
 def _asked(wanted: Filter, sort: Sort | None, limit: int | None) -> Any:
     sort, recordings, things = sort or Sort(), schema.recordings, schema.things
     those = matching(wanted, sort, None, limit).subquery()
-    names = ("uuid", "action", "gripper", "recorded_us", "ground_truth", "document")
+    names = ("uuid", "digest", "gripper", "document", "seal")
     asked = (
         select(*(recordings.c[name] for name in names), things.c.dataset, things.c.name)
         .join(those, those.c.id == recordings.c.id)
-        .join(things, things.c.id == recordings.c.thing_id)
+        .outerjoin(things, things.c.id == recordings.c.thing_id)
     )
     return in_order(asked, recordings.c[sort.column], recordings.c.id, sort, None)
 
 
 def _lines(row: Mapping[Any, Any], units: Mapping[str, str]) -> Iterator[dict[str, Any]]:
+    plain = sealed_document(row)
     shared = {
         "recording": str(UUID(bytes=row["uuid"])),
-        "action": row["action"],
+        "action": plain["action"],
         "dataset": row["dataset"],
         "object": row["name"],
         "gripper": row["gripper"],
-        "recorded_at": EPOCH + timedelta(microseconds=row["recorded_us"]),
-        "ground_truth": bool(row["ground_truth"]),
+        "recorded_at": moment_from(plain["recorded_at"]),
+        "ground_truth": plain["ground_truth"],
     }
-    for entry in json.loads(row["document"])["entries"]:
+    for entry in plain["entries"]:
         yield {**shared, **counted(entry_columns(entry_from(entry)), units), "document": to_json(entry)}

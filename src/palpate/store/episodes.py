@@ -22,6 +22,7 @@ from palpate.store.content import in_utc, to_json
 from palpate.store.decoding import moment_from
 from palpate.store.errors import DamagedError, StoreError
 from palpate.store.filters import digest_bytes
+from palpate.store.legible import legible
 from palpate.store.records import VISIBILITIES, ThingRef
 from palpate.store.texts import check_json, check_text
 
@@ -140,17 +141,18 @@ def episode_from(
     found = episode_digest(document, steps)
     if found != digest:
         raise DamagedError(f"episode {id}: digest {found}, expected {digest}")
-    plain = json.loads(document)
-    lines = (json.loads(step) for step in steps)
-    return StoredEpisode(
-        started_at=moment_from(plain["started_at"]),
-        thing=thing,
-        header=plain["header"],
-        steps=tuple(StoredStep(line["record"], line["recording"]) for line in lines),
-        owner=plain["owner"],
-        visibility=visibility,
-        id=id,
-    )
+    with legible(f"episode {id}"):
+        plain = json.loads(document)
+        lines = (json.loads(step) for step in steps)
+        return StoredEpisode(
+            started_at=moment_from(plain["started_at"]),
+            thing=thing,
+            header=plain["header"],
+            steps=tuple(StoredStep(line["record"], line["recording"]) for line in lines),
+            owner=plain["owner"],
+            visibility=visibility,
+            id=id,
+        )
 
 
 def check_episode(episode: StoredEpisode) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from palpate.errors import PalpateError
 
-__all__ = ["DamagedError", "StoreError", "UnavailableError"]
+__all__ = ["DamagedError", "IncompleteError", "StoreError", "UnavailableError"]
 
 
 class StoreError(PalpateError, ValueError):
@@ -17,3 +17,7 @@ class DamagedError(StoreError):
 
 class UnavailableError(StoreError):
     """A database that cannot be used now, as one that is locked, full or away; what was asked was not done."""
+
+
+class IncompleteError(DamagedError, UnavailableError):
+    """A database that lacks tables or columns: nothing is read from them, nor put there."""

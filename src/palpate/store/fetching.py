@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 from uuid import UUID
@@ -14,11 +14,26 @@ from sqlalchemy import ColumnElement, Connection, select
 from palpate.store import schema
 from palpate.store.arrays import unpack_bytes, unpack_series
 from palpate.store.blobs import Blobs
-from palpate.store.decoding import Stored, setup_from
-from palpate.store.records import Series
+from palpate.store.decoding import Stored, recording_from, setup_from
+from palpate.store.errors import DamagedError, IncompleteError
+from palpate.store.legible import legible
+from palpate.store.records import Recording, Series, Setup
 from palpate.store.registry import thing_of
+from palpate.store.seals import checked_document, recording_name
 
-__all__ = ["fetch", "from_row_or_blob", "id_chunks", "parsed_layout"]
+__all__ = ["Broken", "fetch", "from_row_or_blob", "id_chunks", "parsed_layout", "read_each", "setup_of", "whole"]
+
+
+@dataclass(frozen=True)
+class Broken:
+    """A recording that is not what was put: its row number, what it is called, and what is wrong."""
+
+    row: int
+    where: str
+    what: str
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.what}"
 
 
 def fetch(connection: Connection, blobs: Blobs, condition: ColumnElement[bool]) -> list[Stored]:
@@ -31,7 +46,7 @@ def fetch(connection: Connection, blobs: Blobs, condition: ColumnElement[bool]) 
     """
     recordings, things, setups = schema.recordings, schema.things, schema.setups
     asked = (
-        select(recordings, things, setups.c.document.label("setup"))
+        select(recordings, things, setups.c.digest.label("setup_digest"), setups.c.document.label("setup"))
         .join(things, recordings.c.thing_id == things.c.id)
         .join(setups, recordings.c.setup_id == setups.c.id)
         .where(condition)
@@ -41,6 +56,54 @@ def fetch(connection: Connection, blobs: Blobs, condition: ColumnElement[bool]) 
     ids = [row[recordings.c.id] for row in rows]
     series, files = _series(connection, blobs, ids), _files(connection, blobs, ids)
     return [_stored(row, series[row[recordings.c.id]], files[row[recordings.c.id]], blobs) for row in rows]
+
+
+def whole(stored: Stored) -> Recording:
+    """Put a recording together, verified with what it refers to.
+
+    Raises
+    ------
+    DamagedError
+        If it is not what was put into the store.
+    """
+    recording = recording_from(stored)
+    if recording.document != stored.document:
+        raise DamagedError(f"recording {stored.id}: refers to another object or setup than its content does")
+    return recording
+
+
+def read_each(connection: Connection, blobs: Blobs, ids: Sequence[int]) -> Iterator[Recording | Broken]:
+    """Each recording of these row numbers, or what is wrong with it, in order.
+
+    Raises
+    ------
+    IncompleteError
+        If tables are missing.
+    """
+    try:
+        found = [whole(stored) for stored in fetch(connection, blobs, schema.recordings.c.id.in_(ids))]
+        if len(found) < len(ids):
+            raise DamagedError("refers to an object or a setup that is missing")
+    except IncompleteError:
+        raise
+    except DamagedError as error:
+        if len(ids) == 1:
+            where = _name(connection, ids[0])
+            yield Broken(ids[0], where, str(error).removeprefix(f"{where}: "))
+            return
+        # one of them: look at each alone, to name it
+        for row in ids:
+            yield from read_each(connection, blobs, [row])
+        return
+    yield from found
+
+
+def _name(connection: Connection, row: int) -> str:
+    columns = schema.recordings.c
+    try:
+        return recording_name(connection.execute(select(columns.uuid).where(columns.id == row)).scalar_one())
+    except DamagedError:
+        return f"recording of row {row}"
 
 
 def id_chunks(connection: Connection, size: int) -> Iterator[list[int]]:
@@ -53,6 +116,12 @@ def id_chunks(connection: Connection, size: int) -> Iterator[list[int]]:
 
 def _stored(row: Mapping[Any, Any], series: Sequence[Series], files: Sequence[bytes], blobs: Blobs) -> Stored:
     columns = schema.recordings.c
+    with legible(recording_name(row[columns.uuid])):
+        return _parts(row, series, files, blobs)
+
+
+def _parts(row: Mapping[Any, Any], series: Sequence[Series], files: Sequence[bytes], blobs: Blobs) -> Stored:
+    columns = schema.recordings.c
     log = from_row_or_blob(row[columns.log], row[columns.log_blob], blobs)
     return Stored(
         id=UUID(bytes=row[columns.uuid]),
@@ -61,7 +130,7 @@ def _stored(row: Mapping[Any, Any], series: Sequence[Series], files: Sequence[by
         document=row[columns.document],
         log=unpack_bytes(log) if log else b"",
         thing=thing_of({column.name: row[column] for column in schema.things.c}),
-        setup=setup_from(json.loads(row["setup"])),
+        setup=setup_of(row["setup_digest"], row["setup"]),
         series=tuple(series),
         files=tuple(files),
     )
@@ -70,15 +139,15 @@ def _stored(row: Mapping[Any, Any], series: Sequence[Series], files: Sequence[by
 def _series(connection: Connection, blobs: Blobs, ids: Sequence[int]) -> Mapping[int, list[Series]]:
     table, layouts = schema.series, schema.layouts
     asked = (
-        select(table.c.recording_id, table.c.name, layouts.c.document, table.c.data, table.c.blob)
+        select(table.c.recording_id, table.c.name, layouts.c.digest, layouts.c.document, table.c.data, table.c.blob)
         .join(layouts, table.c.layout_id == layouts.c.id)
         .where(table.c.recording_id.in_(ids))
         .order_by(table.c.recording_id, table.c.position)
     )
     found: dict[int, list[Series]] = defaultdict(list)
-    for row, name, layout, data, blob in connection.execute(asked):
+    for row, name, digest, layout, data, blob in connection.execute(asked):
         packed = from_row_or_blob(data, blob, blobs)
-        found[row].append(unpack_series(name, parsed_layout(layout), packed or b""))
+        found[row].append(unpack_series(name, parsed_layout(digest, layout), packed or b""))
     return found
 
 
@@ -101,7 +170,13 @@ def from_row_or_blob(data: bytes | None, blob: bytes | None, blobs: Blobs) -> by
 
 
 @lru_cache(maxsize=1024)
-def parsed_layout(document: str) -> list[dict[str, Any]]:
-    """A layout of a series as `palpate.store.arrays.unpack_series` takes it."""
-    layout: list[dict[str, Any]] = json.loads(document)
+def parsed_layout(digest: bytes, document: str) -> list[dict[str, Any]]:
+    """A layout of a series as `palpate.store.arrays.unpack_series` takes it; DamagedError where it is another."""
+    layout: list[dict[str, Any]] = checked_document("layouts", digest, document)
     return layout
+
+
+@lru_cache(maxsize=256)
+def setup_of(digest: bytes, document: str) -> Setup:
+    """The setup of a digest and a document; DamagedError where they do not belong together."""
+    return setup_from(checked_document("setups", digest, document))

@@ -102,7 +102,7 @@ class Statements:
         found: dict[str, str] = {}
         for start in range(0, len(names), CHUNK):
             part = tuple(names[start : start + CHUNK])
-            cursor.execute(f"SELECT name, unit FROM properties WHERE name IN ({_marks(len(part), self._mark)})", part)
+            cursor.execute(_units(len(part), self._mark), part)
             found.update(cursor.fetchall())
         return found
 
@@ -134,6 +134,11 @@ def _insert(table: Table, mark: str) -> tuple[str, Callable[[Mapping[str, Any]],
 def _present(count: int, mark: str) -> str:
     marks = _marks(count, mark)
     return f"SELECT uuid, digest FROM recordings WHERE digest IN ({marks}) OR uuid IN ({marks})"
+
+
+@lru_cache(maxsize=64)
+def _units(count: int, mark: str) -> str:
+    return f"SELECT name, unit FROM properties WHERE name IN ({_marks(count, mark)})"
 
 
 def _marks(count: int, mark: str) -> str:

@@ -14,6 +14,7 @@ from palpate.store.database import writing
 from palpate.store.episodes import StoredEpisode, check_episode, episode_from
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.filters import digest_bytes
+from palpate.store.legible import reading
 from palpate.store.outages import patiently
 from palpate.store.records import Receipt
 from palpate.store.registry import Lookup, Registry, thing_of
@@ -65,7 +66,7 @@ def get_episode(store: Store, key: UUID | str) -> StoredEpisode:
     """
     columns = schema.episodes.c
     wanted = columns.uuid == key.bytes if isinstance(key, UUID) else columns.digest == digest_bytes(key)
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         row = connection.execute(_heads().where(wanted)).mappings().first()
         if row is None:
             raise StoreError(f"episode {key}: is not in the store")

@@ -10,6 +10,7 @@ from sqlalchemy import Column, ColumnElement, Table, or_, select
 from palpate.errors import choices
 from palpate.store import schema
 from palpate.store.errors import StoreError
+from palpate.store.legible import reading
 from palpate.store.store import Store
 
 __all__ = ["episode_id", "recording_id", "setup_digest"]
@@ -55,7 +56,7 @@ def _found(store: Store, what: str, table: Table, text: str) -> dict[str, bytes]
     fitting = {name: table.c[name] for name, most in names.items() if len(digits) <= most}
     between = [_begins(column, digits, names[name]) for name, column in fitting.items()]
     asked = select(*(table.c[name] for name in names)).where(or_(*between)).order_by(table.c.id).limit(SHOWN + 1)
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         rows = [dict(row) for row in connection.execute(asked).mappings()]
     if not rows:
         raise StoreError(f"{what} {text}: is not in the store")

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import TYPE_CHECKING, Any
@@ -13,16 +12,22 @@ from sqlalchemy import ColumnElement, Select, and_, exists, select, tuple_
 
 from palpate.store import schema
 from palpate.store.content import entry_plain, to_json
-from palpate.store.decoding import entry_from
+from palpate.store.decoding import entry_from, moment_from
 from palpate.store.entries import Entry
+from palpate.store.errors import DamagedError
 from palpate.store.filters import Cursor, Filter, Sort
+from palpate.store.legible import legible, reading
 from palpate.store.rows import EPOCH
+from palpate.store.seals import recording_name, sealed_document
 from palpate.store.store import Store
 
 if TYPE_CHECKING:
     import pyarrow
 
-__all__ = ["Listed", "Page", "ids_matching", "list_recordings", "to_arrow"]
+__all__ = ["Damaged", "Listed", "Page", "ids_matching", "list_recordings", "to_arrow"]
+
+Damaged = Callable[[DamagedError], None]
+"""Is told of what is left out because it is not what was written."""
 
 
 @dataclass(frozen=True)
@@ -54,9 +59,17 @@ class Page:
 
 
 def list_recordings(
-    store: Store, wanted: Filter | None = None, sort: Sort | None = None, *, limit: int = 50, cursor: str | None = None
+    store: Store,
+    wanted: Filter | None = None,
+    sort: Sort | None = None,
+    *,
+    limit: int = 50,
+    cursor: str | None = None,
+    damaged: Damaged | None = None,
 ) -> Page:
     """List recordings, a page at a time: what is added meanwhile neither repeats nor hides a row.
+
+    Each row is verified by its seal, see `palpate.store.seals`.
 
     Parameters
     ----------
@@ -68,19 +81,25 @@ def list_recordings(
         Rows of a page.
     cursor
         That of the page before.
+    damaged
+        Is told of each recording that is not what was written, and the page has none of it; unless given, the first
+        one is raised.
 
     Raises
     ------
     StoreError
         If the cursor is not of a list sorted like this.
+    DamagedError
+        If a recording is not what was written.
     """
     sort = sort or Sort()
     after = None if cursor is None else Cursor.parse(cursor, sort)
     asked = _rows_asked(matching(wanted or Filter(), sort, after, limit), sort)
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         rows = connection.execute(asked).mappings().all()
+        listed = tuple(_whole(rows, damaged))
     end = Cursor(sort, rows[-1][sort.column], rows[-1]["id"]) if len(rows) == limit and rows else None
-    return Page(tuple(_listed(row) for row in rows), None if end is None else str(end))
+    return Page(listed, None if end is None else str(end))
 
 
 def ids_matching(store: Store, wanted: Filter, sort: Sort | None = None) -> list[UUID]:
@@ -89,7 +108,7 @@ def ids_matching(store: Store, wanted: Filter, sort: Sort | None = None) -> list
     found = matching(wanted, sort, None, None).subquery()
     columns = schema.recordings.c
     asked = select(columns.uuid).join(found, found.c.id == columns.id)
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         rows = connection.scalars(in_order(asked, columns[sort.column], columns.id, sort, None))
         return [UUID(bytes=uuid) for uuid in rows]
 
@@ -152,29 +171,43 @@ def _has_entry(recording: ColumnElement[int], name: str, label: str | None) -> C
 def _rows_asked(matched: Select[*tuple[Any, ...]], sort: Sort) -> Select[*tuple[Any, ...]]:
     page, recordings, things = matched.subquery(), schema.recordings, schema.things
     names = ("id", "uuid", "digest", "recorded_us", "uploaded_us", "action", "gripper", "owner", "visibility")
-    columns = [recordings.c[name] for name in (*names, "ground_truth", "document")]
+    columns = [recordings.c[name] for name in (*names, "ground_truth", "document", "seal")]
     thing = [things.c.dataset, things.c.name, things.c.common_name]
     asked = (
         select(*columns, *thing)
         .join(page, page.c.id == recordings.c.id)
-        .join(things, things.c.id == recordings.c.thing_id)
+        # one whose object is missing is told, and not left out
+        .outerjoin(things, things.c.id == recordings.c.thing_id)
     )
     return in_order(asked, recordings.c[sort.column], recordings.c.id, sort, None)
 
 
+def _whole(rows: Iterable[Mapping[Any, Any]], damaged: Damaged | None) -> Iterator[Listed]:
+    """The rows that are what was written; what is not is told, or raised."""
+    for row in rows:
+        try:
+            yield _listed(row)
+        except DamagedError as error:
+            if damaged is None:
+                raise
+            damaged(error)
+
+
 def _listed(row: Mapping[Any, Any]) -> Listed:
-    plain = json.loads(row["document"])
-    same = ("action", "dataset", "common_name", "gripper", "owner", "visibility", "ground_truth")
-    return Listed(
-        id=UUID(bytes=row["uuid"]),
-        digest=row["digest"].hex(),
-        recorded_at=EPOCH + timedelta(microseconds=row["recorded_us"]),
-        uploaded_at=EPOCH + timedelta(microseconds=row["uploaded_us"]),
-        thing=row["name"],
-        entries=tuple(entry_from(entry) for entry in plain["entries"]),
-        notices=tuple(plain["notices"]),
-        **{name: row[name] for name in same},
-    )
+    plain = sealed_document(row)
+    with legible(recording_name(row["uuid"])):
+        return Listed(
+            id=UUID(bytes=row["uuid"]),
+            digest=row["digest"].hex(),
+            recorded_at=moment_from(plain["recorded_at"]),
+            uploaded_at=EPOCH + timedelta(microseconds=row["uploaded_us"]),
+            dataset=row["dataset"],
+            thing=row["name"],
+            entries=tuple(entry_from(entry) for entry in plain["entries"]),
+            notices=tuple(plain["notices"]),
+            **{name: plain[name] for name in ("action", "owner", "ground_truth")},
+            **{name: row[name] for name in ("common_name", "gripper", "visibility")},
+        )
 
 
 def to_arrow(page: Page) -> pyarrow.Table:

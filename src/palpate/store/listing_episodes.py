@@ -13,6 +13,7 @@ from sqlalchemy import ColumnElement, select, tuple_
 
 from palpate.store import schema
 from palpate.store.filters import Cursor, Sort, moment_us, things_named
+from palpate.store.legible import reading
 from palpate.store.rows import EPOCH
 from palpate.store.store import Store
 
@@ -88,10 +89,11 @@ def list_episodes(
     )
     if after is not None:
         asked = asked.where(tuple_(episodes.c.started_us, episodes.c.id) < tuple_(after.value, after.row))
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         rows = connection.execute(asked).mappings().all()
+        listed = tuple(map(_listed, rows))
     end = str(Cursor(BY_TIME, rows[-1]["started_us"], rows[-1]["id"])) if rows and len(rows) == limit else None
-    return EpisodePage(tuple(map(_listed, rows)), end)
+    return EpisodePage(listed, end)
 
 
 def _conditions(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +12,8 @@ from sqlalchemy import or_, select
 
 from palpate.network.units import unit_of
 from palpate.store import schema
-from palpate.store.decoding import setup_from
+from palpate.store.fetching import setup_of
+from palpate.store.legible import reading
 from palpate.store.records import Setup, ThingRef
 from palpate.store.store import Store
 from palpate.store.things import is_thing
@@ -57,18 +57,20 @@ def measured_of(store: Store, thing: ThingRef) -> tuple[Measured, ...]:
     those = select(things.c.id).where(or_(things.c.id.in_(own), things.c.merged_into.in_(own)))
     columns = (entries.property, entries.setup_id, entries.kind, entries.value_si, entries.label)
     groups: dict[tuple[str | None, int], list[Any]] = defaultdict(list)
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         for row in connection.execute(select(*columns).where(entries.thing_id.in_(those))):
             groups[row.property, row.setup_id].append(row)
         units = {row.name: row.unit for row in connection.execute(select(schema.properties))}
         needed = schema.setups.c.id.in_({setup for _, setup in groups})
-        setups = {row.id: row.document for row in connection.execute(select(schema.setups).where(needed))}
-    # failures of no property come last
-    order = sorted(groups, key=lambda key: (key[0] is None, key[0] or "", key[1]))
-    return tuple(
-        _measured(name, setup_from(json.loads(setups[setup])), groups[name, setup], units.get(name or ""))
-        for name, setup in order
-    )
+        setups = {
+            row.id: setup_of(row.digest, row.document)
+            for row in connection.execute(select(schema.setups).where(needed))
+        }
+        # failures of no property come last
+        order = sorted(groups, key=lambda key: (key[0] is None, key[0] or "", key[1]))
+        return tuple(
+            _measured(name, setups[setup], groups[name, setup], units.get(name or "")) for name, setup in order
+        )
 
 
 def _measured(name: str | None, setup: Setup, rows: Sequence[Any], unit: str | None) -> Measured:

@@ -10,7 +10,7 @@ from typing import TypeVar
 from sqlalchemy import Engine, event
 from sqlalchemy.engine import ExceptionContext
 
-from palpate.store.errors import DamagedError, StoreError, UnavailableError
+from palpate.store.errors import DamagedError, IncompleteError, StoreError, UnavailableError
 
 __all__ = ["LostError", "outage", "patiently", "tell_outages"]
 
@@ -18,6 +18,11 @@ PATIENCE_S = 30.0
 """How long a server may be away, as while it is restarted."""
 FIRST_PAUSE_S, LONGEST_PAUSE_S = 0.1, 2.0
 DAMAGED = ("SQLITE_CORRUPT", "SQLITE_NOTADB")
+UNDECODED = "Could not decode to UTF-8"
+"""What Python's driver says of text that is none, and has no code for."""
+MISSING = ("no such table", "no such column")
+MISSING_STATES = ("42P01", "42703")
+"""PostgreSQL's codes for tables and columns."""
 Done = TypeVar("Done")
 
 
@@ -26,7 +31,7 @@ class LostError(UnavailableError):
 
 
 def tell_outages(engine: Engine) -> None:
-    """Let every use of an engine say in one sentence that the server went away, or that the file is damaged."""
+    """Let every use of an engine say in one sentence that the server went away, or that something is damaged."""
 
     @event.listens_for(engine, "handle_error")
     def tell(context: ExceptionContext) -> Exception | None:
@@ -38,9 +43,11 @@ def tell_outages(engine: Engine) -> None:
 
 
 def outage(engine: Engine, error: BaseException, *, lost: bool) -> StoreError | None:
-    """What an error of the driver is where the file is damaged, or the server is `lost`; None where it is neither."""
+    """What an error of the driver is where something is damaged, or the server is `lost`; None where it is neither."""
     place, said = f"store {engine.url!r}", " ".join(str(error).split())
-    if getattr(error, "sqlite_errorname", "").startswith(DAMAGED):
+    if said.startswith(MISSING) or getattr(error, "sqlstate", None) in MISSING_STATES:
+        return IncompleteError(f"{place}: {said}; expected all tables that palpate made")
+    if getattr(error, "sqlite_errorname", "").startswith(DAMAGED) or said.startswith(UNDECODED):
         return DamagedError(f"{place}: {said}; expected the SQLite file that was written")
     if lost and engine.dialect.name == "postgresql":
         return LostError(f"{place}: {said}; expected a server that answers")

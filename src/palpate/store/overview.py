@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from sqlalchemy import Column, Select, func, select
 
 from palpate.store import schema
-from palpate.store.decoding import setup_from
+from palpate.store.fetching import setup_of
+from palpate.store.legible import reading
 from palpate.store.records import Setup, ThingRef
 from palpate.store.registry import thing_of
 from palpate.store.store import Store
@@ -30,22 +30,24 @@ class Contents:
 def contents(store: Store) -> Contents:
     """Count what is in a store; recordings of an object merged into another count as that one's."""
     columns = schema.recordings.c
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         of_things = dict(connection.execute(_counts(columns.thing_id)).all())
         of_setups = dict(connection.execute(_counts(columns.setup_id)).all())
         things = {row["id"]: row for row in connection.execute(select(schema.things)).mappings()}
-        setups = {row.id: row.document for row in connection.execute(select(schema.setups))}
+        setups = {row.id: row for row in connection.execute(select(schema.setups))}
         episodes = connection.scalar(select(func.count()).select_from(schema.episodes))
-    heads: dict[int, int] = {}
-    for thing, count in of_things.items():
-        head = things[thing]["merged_into"] or thing
-        heads[head] = heads.get(head, 0) + count
-    return Contents(
-        sum(of_things.values()),
-        tuple((thing_of(things[head]), count) for head, count in _ranked(heads)),
-        tuple((setup_from(json.loads(setups[setup])), count) for setup, count in _ranked(of_setups)),
-        episodes or 0,
-    )
+        heads: dict[int, int] = {}
+        for thing, count in of_things.items():
+            head = things[thing]["merged_into"] or thing
+            heads[head] = heads.get(head, 0) + count
+        return Contents(
+            sum(of_things.values()),
+            tuple((thing_of(things[head]), count) for head, count in _ranked(heads)),
+            tuple(
+                (setup_of(setups[setup].digest, setups[setup].document), count) for setup, count in _ranked(of_setups)
+            ),
+            episodes or 0,
+        )
 
 
 def _counts(column: Column[int]) -> Select[int, int]:

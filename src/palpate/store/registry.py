@@ -12,10 +12,12 @@ from typing import Any
 from sqlalchemy import Connection, Table, insert, select, update
 
 from palpate.store import schema
-from palpate.store.checks import check_unit
+from palpate.store.checks import check_thing, check_unit
 from palpate.store.completing import contradictions, joined_things, taken_away, without
 from palpate.store.content import device_plain, setup_plain, to_json
 from palpate.store.entries import Bound, Interval, Value
+from palpate.store.errors import DamagedError, StoreError
+from palpate.store.legible import legible
 from palpate.store.records import Device, Recording, Setup, ThingRef
 
 __all__ = ["Lookup", "NotRememberedError", "Registry", "now_us", "units_in"]
@@ -80,11 +82,11 @@ class Registry:
         """
         for place, (name, unit) in units_in(recording):
             where = f"entries[{place}].unit"
-            if name in known:
-                check_unit(where, unit, None if is_known_wrong else known[name])
-            else:
+            if name not in known:
                 self.admit_unit(where, name, unit)
                 known[name] = unit
+            elif unit != known[name] and not is_known_wrong:
+                check_unit(where, unit, known[name])
 
     def _new_layout(self, layout: str) -> int:
         raise NotRememberedError
@@ -191,15 +193,23 @@ def _thing_key(thing: ThingRef) -> Key:
 
 
 def thing_of(row: Mapping[Any, Any]) -> ThingRef:
-    """An object from its row."""
-    return ThingRef(
-        row["dataset"],
-        row["name"],
-        row["maker"],
-        row["common_name"],
-        json.loads(row["attributes"]),
-        tuple(json.loads(row["aliases"])),
-    )
+    """An object from its row.
+
+    Raises
+    ------
+    DamagedError
+        If there is none that could have been kept.
+    """
+    where = f"object {row['dataset']}/{row['name']}"
+    names = (row["dataset"], row["name"], row["maker"], row["common_name"])
+    with legible(where):
+        thing = ThingRef(*names, json.loads(row["attributes"]), tuple(json.loads(row["aliases"])))
+    try:
+        # no digest covers it
+        check_thing(thing)
+    except StoreError as error:
+        raise DamagedError(f"{where}: {error}") from None
+    return thing
 
 
 def thing_row(thing: ThingRef) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from palpate.store.blobs import Blobs
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
 from palpate.store.records import Recording
 from palpate.store.registry import Registry, units_in
+from palpate.store.seals import seal_of
 
 __all__ = [
     "IN_ROW_BYTES",
@@ -67,6 +68,7 @@ class Prepared:
             "words": words(recording),
             "document": recording.document,
             **self.log,
+            "seal": seal_of(bytes.fromhex(recording.digest), recording.document),
         }
 
     def series_rows(self, row: int, shared: Registry) -> Iterator[Row]:

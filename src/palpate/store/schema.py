@@ -7,22 +7,10 @@ text.
 
 from __future__ import annotations
 
-from sqlalchemy import (
-    BigInteger,
-    Boolean,
-    Column,
-    Float,
-    ForeignKey,
-    Index,
-    Integer,
-    LargeBinary,
-    MetaData,
-    String,
-    Table,
-    Text,
-    UniqueConstraint,
-    text,
-)
+import sqlalchemy
+from sqlalchemy import Column, ForeignKey, Index, MetaData, Table, UniqueConstraint, text
+
+from palpate.store.cells import BigInteger, Boolean, Float, Integer, LargeBinary, String, Text
 
 __all__ = [
     "audit",
@@ -55,7 +43,7 @@ metadata = MetaData(
     }
 )
 # only a plain INTEGER is SQLite's own row number
-Id = BigInteger().with_variant(Integer, "sqlite")
+Id = sqlalchemy.BigInteger().with_variant(sqlalchemy.Integer, "sqlite")
 
 
 def _where(condition: str, *columns: str) -> Index:
@@ -153,6 +141,7 @@ recordings = Table(
     Column("document", Text, nullable=False),
     Column("log", LargeBinary),
     Column("log_blob", LargeBinary(32)),
+    Column("seal", LargeBinary(32)),
     Index(None, "recorded_us", "id"),
     Index(None, "thing_id", "recorded_us", "id"),
     Index(None, "setup_id", "recorded_us", "id"),

@@ -16,10 +16,10 @@ from palpate.store import schema
 from palpate.store.blobs import Blobs
 from palpate.store.checks import check
 from palpate.store.database import writing
-from palpate.store.decoding import recording_from
 from palpate.store.errors import StoreError, UnavailableError
-from palpate.store.fetching import fetch
+from palpate.store.fetching import fetch, whole
 from palpate.store.inserting import CHUNK, Statements
+from palpate.store.legible import reading
 from palpate.store.outages import patiently
 from palpate.store.records import Receipt, Recording
 from palpate.store.registry import Lookup, NotRememberedError, Registry, now_us, units_in
@@ -134,11 +134,11 @@ class Store:
             If what is stored is not what was put.
         """
         column = schema.recordings.c.uuid if isinstance(key, UUID) else schema.recordings.c.digest
-        with self.engine.connect() as connection:
+        with reading(self.engine) as connection:
             found = fetch(connection, self.blobs, column == _bytes_of(key))
         if not found:
             raise StoreError(f"recording {key}: is not in the store")
-        return recording_from(found[0])
+        return whole(found[0])
 
     def _commit_or_again(self, batch: Sequence[Prepared], attempts: int) -> list[Receipt]:
         driver = self.engine.dialect.loaded_dbapi

@@ -13,6 +13,7 @@ from sqlalchemy import Row, Select, and_, func, select
 
 from palpate.network.units import unit_of
 from palpate.store import schema
+from palpate.store.legible import reading
 from palpate.store.store import Store
 
 if TYPE_CHECKING:
@@ -54,14 +55,14 @@ class Cell:
 
 def objects_by_properties(store: Store) -> list[Cell]:
     """Summarise all values that have a unit, by object and property."""
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         groups = connection.execute(_groups()).all()
         units = {row.name: row.unit for row in connection.execute(select(schema.properties))}
         things = {row.id: row for row in connection.execute(select(schema.things))}
-    measured: dict[tuple[int, str], list[Group]] = defaultdict(list)
-    for thing, name, count, mean, squares in groups:
-        measured[things[thing].merged_into or thing, name].append(Group(count, mean, squares))
-    cells = [_cell(things[thing], name, units[name], parts) for (thing, name), parts in measured.items()]
+        measured: dict[tuple[int, str], list[Group]] = defaultdict(list)
+        for thing, name, count, mean, squares in groups:
+            measured[things[thing].merged_into or thing, name].append(Group(count, mean, squares))
+        cells = [_cell(things[thing], name, units[name], parts) for (thing, name), parts in measured.items()]
     return sorted(cells, key=lambda cell: (cell.dataset, cell.thing, cell.property))
 
 

@@ -12,10 +12,12 @@ from sqlalchemy import ColumnElement, Connection, Select, func, literal, or_, se
 
 from palpate.errors import choices, near
 from palpate.store import schema
+from palpate.store.checks import check_entry
 from palpate.store.decoding import entry_from
 from palpate.store.entries import Entry
-from palpate.store.errors import StoreError
+from palpate.store.errors import DamagedError, StoreError
 from palpate.store.filters import called
+from palpate.store.legible import legible, reading
 from palpate.store.records import ThingRef
 from palpate.store.registry import thing_of
 from palpate.store.store import Store
@@ -96,7 +98,7 @@ class Thing:
 
 def list_things(store: Store) -> tuple[Thing, ...]:
     """All objects, by dataset and name."""
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         return tuple(sorted(things_where(connection, literal(True)), key=lambda thing: thing.path))
 
 
@@ -110,7 +112,7 @@ def find_thing(store: Store, name: str) -> Thing:
     StoreError
         If there is none, or there are several.
     """
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         found = list(things_where(connection, called(name)))
         counted = {(head.dataset, head.id): head for head in (thing.merged_into or thing.ref for thing in found)}
         if len(found) > 1 and len(counted) == 1:
@@ -145,12 +147,25 @@ def things_where(connection: Connection, condition: ColumnElement[bool]) -> Iter
         key = row["id"]
         yield Thing(
             thing_of(row),
-            tuple(Known(entry_from(json.loads(one["document"])), one["source"]) for one in known[key]),
+            tuple(known_of(one, row) for one in known[key]),
             tuple(Image(one["name"], one["media_type"], one["blob"].hex()) for one in images[key]),
             heads.get(row["merged_into"]),
             tuple(thing_of(one) for one in merged[key]),
             counts.get(key, 0) + sum(counts.get(one["id"], 0) for one in merged[key]),
         )
+
+
+def known_of(row: Row, thing: Row) -> Known:
+    """What is known of an object, from its rows; DamagedError where it is nothing that could have been told."""
+    where = f"object {thing['dataset']}/{thing['name']}: what is known of its {row['property']}"
+    with legible(where):
+        entry = entry_from(json.loads(row["document"]))
+    try:
+        # no digest covers it
+        check_entry("entry", entry, {})
+    except StoreError as error:
+        raise DamagedError(f"{where}: {error}") from None
+    return Known(entry, row["source"])
 
 
 def _names(connection: Connection) -> list[str]:

@@ -16,6 +16,7 @@ from palpate.store.content import to_json
 from palpate.store.database import changing
 from palpate.store.decoding import entry_from
 from palpate.store.errors import StoreError
+from palpate.store.legible import reading
 from palpate.store.quantities import check_quantity
 from palpate.store.registry import now_us
 from palpate.store.store import Store
@@ -49,7 +50,7 @@ class PropertyUnit:
 
 def units_of(store: Store) -> Mapping[str, str]:
     """Property to its unit."""
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         return deciding_units(connection)
 
 
@@ -60,7 +61,7 @@ def deciding_units(connection: Connection) -> dict[str, str]:
 
 def list_units(store: Store) -> tuple[PropertyUnit, ...]:
     """All properties that have a unit, by name."""
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         units, given = deciding_units(connection), _given(connection)
     return tuple(_counted(name, unit, given.get(name, {})) for name, unit in sorted(units.items()))
 

@@ -10,6 +10,7 @@ from sqlalchemy import Column, Connection, Select, select
 
 from palpate.store import schema
 from palpate.store.filters import Filter
+from palpate.store.legible import reading
 from palpate.store.store import Store
 
 __all__ = ["Unknown", "unknown_names"]
@@ -50,7 +51,7 @@ def unknown_names(store: Store, wanted: Filter) -> Iterator[Unknown]:
     [('action', 'squeezing')]
     """
     recordings, devices, things = schema.recordings.c, schema.devices.c, schema.things.c
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         if wanted.thing is not None:
             yield from _missing("thing", wanted.thing, "object", _things_called(connection))
         for name, what, column in (

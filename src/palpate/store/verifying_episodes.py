@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from typing import Any
 from uuid import UUID
@@ -11,10 +10,10 @@ from sqlalchemy import Connection, select, update
 
 from palpate.store import schema
 from palpate.store.database import writing
-from palpate.store.decoding import entry_from
 from palpate.store.entries import Distribution
 from palpate.store.episodes import StoredEpisode
-from palpate.store.errors import DamagedError
+from palpate.store.errors import DamagedError, IncompleteError
+from palpate.store.faults import Fault, Remedy
 from palpate.store.keeping_episodes import (
     Row,
     documents_of,
@@ -25,35 +24,44 @@ from palpate.store.keeping_episodes import (
     recordings_of,
     stored_episode,
 )
+from palpate.store.legible import legible
+from palpate.store.registry import thing_of
 from palpate.store.rows import most_probable
 from palpate.store.store import Store
+from palpate.store.things import known_of
 
 __all__ = ["episode_faults", "known_faults", "mend_episode"]
 
 
-def episode_faults(connection: Connection) -> Iterator[tuple[str, str, bool]]:
-    """Episodes that are not what was put: where, what was found, and whether it can be made again."""
-    columns, last = schema.episodes.c, 0
-    while rows := episode_rows(connection, columns.id.in_(next_ids(connection, last))):
-        for row in rows:
-            yield from _faults(connection, row)
-        last = rows[-1]["id"]
+def episode_faults(connection: Connection) -> Iterator[Fault]:
+    """Episodes that are not what was put."""
+    last = 0
+    while ids := next_ids(connection, last):
+        for row in ids:
+            yield from _episode_faults(connection, row)
+        last = ids[-1]
 
 
-def known_faults(connection: Connection) -> Iterator[tuple[str, str, bool]]:
-    """What is known of objects and cannot be read, or is found under another label."""
-    known, things = schema.thing_properties, schema.things
-    asked = select(known, things.c.dataset, things.c.name).join(things, things.c.id == known.c.thing_id)
-    for row in connection.execute(asked.order_by(known.c.id)).mappings():
-        where = f"object {row['dataset']}/{row['name']}"
+def known_faults(connection: Connection) -> Iterator[Fault]:
+    """Descriptions of objects, and what is known of them, that cannot be read; or that is found under another label."""
+    things, known = schema.things, schema.thing_properties
+    for thing in list(connection.scalars(select(things.c.id).order_by(things.c.id))):
+        where = f"object of row {thing}"
         try:
-            entry = entry_from(json.loads(row["document"]))
-        except (ValueError, TypeError, KeyError) as error:
-            yield where, f"what is known of its {row['property']} cannot be read ({error})", False
-            continue
-        label = most_probable(entry.probabilities) if isinstance(entry, Distribution) else None
-        if (entry.property, label) != (row["property"], row["label"]):
-            yield where, f"what is known of its {row['property']} is found under another label", False
+            row = connection.execute(select(things).where(things.c.id == thing)).mappings().one()
+            where = f"object {row['dataset']}/{row['name']}"
+            thing_of(row)
+            for each in connection.execute(
+                select(known).where(known.c.thing_id == thing).order_by(known.c.id)
+            ).mappings():
+                entry = known_of(each, row).entry
+                label = most_probable(entry.probabilities) if isinstance(entry, Distribution) else None
+                if (entry.property, label) != (each["property"], each["label"]):
+                    yield Fault(where, f"what is known of its {each['property']} is found under another label")
+        except IncompleteError:
+            raise
+        except DamagedError as error:
+            yield Fault(where, str(error).removeprefix(f"{where}: "))
 
 
 def mend_episode(store: Store, key: UUID) -> None:
@@ -69,22 +77,32 @@ def mend_episode(store: Store, key: UUID) -> None:
             connection.execute(update(steps).where(here).values(recording_id=link))
 
 
-def _faults(connection: Connection, row: Row) -> Iterator[tuple[str, str, bool]]:
-    where = f"episode {UUID(bytes=row['uuid'])}"
+def _episode_faults(connection: Connection, key: int) -> Iterator[Fault]:
+    where = f"episode of row {key}"
     try:
-        episode = stored_episode(row, documents_of(connection, row["id"]))
-    except (DamagedError, ValueError, TypeError, KeyError) as error:
-        yield where, str(error), False
+        with legible(where):
+            rows = episode_rows(connection, schema.episodes.c.id == key)
+            if not rows:
+                raise DamagedError(f"{where}: refers to an object that is missing")
+            where = f"episode {UUID(bytes=rows[0]['uuid'])}"
+            episode = stored_episode(rows[0], documents_of(connection, key))
+            if episode.document != rows[0]["document"]:
+                raise DamagedError(f"{where}: is of another object than its content says")
+    except IncompleteError:
+        raise
+    except DamagedError as error:
+        yield Fault(where, str(error).removeprefix(f"{where}: "))
         return
-    if episode.document != row["document"]:
-        yield where, "is of another object than its content says", False
-        return
+    yield from _link_faults(connection, rows[0], episode, where)
+
+
+def _link_faults(connection: Connection, row: Row, episode: StoredEpisode, where: str) -> Iterator[Fault]:
     links = recordings_of(connection, episode)
     for place, step in enumerate(episode.steps):
         if step.recording is not None and step.recording not in links:
-            yield where, f"the recording {step.recording} of step {place + 1} is not in the store", False
+            yield Fault(where, f"the recording {step.recording} of step {place + 1} is not in the store")
     if _columns(connection, row) != _columns_wanted(episode, links):
-        yield where, "rows for queries are not those of its content", True
+        yield Fault(where, "rows for queries are not those of its content", Remedy.REINDEX)
 
 
 def _columns(connection: Connection, row: Row) -> Any:

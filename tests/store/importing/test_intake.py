@@ -169,3 +169,24 @@ def test_an_id_follows_from_the_digest() -> None:
     assert (one.id, one.digest) == (other.id, squeeze(1).digest)
     assert identified(squeeze(2)).id != one.id
     assert replace(one).digest == one.digest
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_a_recording_without_its_blobs_is_mended(store: Store, stated: bool) -> None:
+    """What the store has without its files is read and put again, which gives them back; what is whole is not."""
+    lost, whole = (squeeze(number, files=(FileItem("a", "x/y", b"%d" % number),)) for number in (1, 2))
+    store.put_many([lost, whole, squeeze(3)])
+    store.blobs.remove(lost.files[0].sha256)
+    new = squeeze(4, files=(FileItem("a", "x/y", b"4"),))
+    invented = Invented(whole, lost, squeeze(3), new, stated=stated)
+    assert sorted(fates(store, invented)) == ["known", "known", "mended", "new"]
+    assert list(verify(store)) == []
+    assert set(fates(store, invented)) == {"known"}
+
+
+def test_what_came_in_this_import_is_not_mended(local: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A recording with files that stands twice in what is imported is new once, and known the second time."""
+    monkeypatch.setattr("palpate.store.importing.intake.AT_ONCE", 1)
+    first, new = (squeeze(number, files=(FileItem("a", "x/y", b"%d" % number),)) for number in (1, 2))
+    local.put(first)
+    assert fates(local, Invented(first, new, new, stated=True)) == ["known", "new", "known"]

@@ -17,7 +17,7 @@ from palpate.inference.belief import Belief
 from palpate.network.model import Network
 from palpate.selection.objectives import Learn
 
-__all__ = ["ContestTask", "objective_of"]
+__all__ = ["ContestTask", "method_rows", "objective_of"]
 
 Place = tuple[tuple[str, ...], Course | None]
 """The actions taken, and the course that they are part of where its expectations are kept."""
@@ -60,17 +60,25 @@ class ContestTask:
         objective, seed = objective_of(network), self._engine_seed()
         priors: dict[Engine, Belief] = {}
         trials = (Trial(network, tape, objective, costs_s, seed, priors) for tape in tapes)
-        return [row for trial in trials for method in self.methods for row in _rows(self.world, method, trial)]
+        return [
+            row for trial in trials for method in self.methods for row in method_rows(self.world.name, method, trial)
+        ]
 
     def _engine_seed(self) -> int:
         key = (stable_int(self.key), stable_int("engines"))
         return int(np.random.SeedSequence(self.seed, spawn_key=key).generate_state(1)[0])
 
 
-def _rows(world: World, method: Method, trial: Trial) -> Iterator[Row]:
-    """The rows of a method on a tape."""
+def method_rows(world: str, method: Method, trial: Trial) -> Iterator[Row]:
+    """The rows of a method on a tape.
+
+    Parameters
+    ----------
+    world
+        Its name.
+    """
     tape = trial.tape
-    about: Row = {"world": world.name, "method": method.name, "object": tape.object, "repetition": tape.repetition}
+    about: Row = {"world": world, "method": method.name, "object": tape.object, "repetition": tape.repetition}
     for (taken, course), weight in sorted(_weights(method, trial).items(), key=lambda item: len(item[0][0])):
         yield {
             **about,

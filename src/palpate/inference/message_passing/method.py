@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -65,9 +65,10 @@ class Method:
             vector = self._vector(action, node, outcome)
             belief: Array | None = beliefs[node] * measuring.softened(vector, self.settings.outcome_error)
         elif node in self.graph.mixtures:
-            belief = measuring.seen(self.graph.mixtures[node].grid, beliefs[node], outcome, self._sd(action, outcome))
+            number = self._unbiased(action, outcome)
+            belief = measuring.seen(self.graph.mixtures[node].grid, beliefs[node], number, self._sd(action, number))
         else:
-            node, belief = self._divided(beliefs, used, action, outcome)
+            node, belief = self._divided(beliefs, used, action, self._unbiased(action, outcome))
         if belief is None:
             return None
         if not belief.any():
@@ -99,6 +100,14 @@ class Method:
                 f"label as a state; {choices(known.states)}"
             )
         return np.array([float(state == outcome.label) for state in known.states])
+
+    def _unbiased(self, action: str, outcome: NumberOutcome) -> NumberOutcome:
+        """The outcome less the sensor's bias."""
+        sensor = self.network.action(action).sensor
+        assert not isinstance(sensor, ConfusionSensor)
+        if isinstance(outcome, Reading):
+            return replace(outcome, value=outcome.value - sensor.bias)
+        return replace(outcome, bound=outcome.bound - sensor.bias)
 
     def _sd(self, action: str, outcome: NumberOutcome) -> float:
         """Noise of a number: its own, or the sensor's there."""

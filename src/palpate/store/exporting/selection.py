@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from datetime import datetime
-from functools import lru_cache
 from typing import Any
 from uuid import UUID
 
@@ -15,12 +13,14 @@ from sqlalchemy import Connection, Select, exists, func, select
 
 from palpate.store import schema
 from palpate.store.database import snapshot
-from palpate.store.decoding import moment_from, recording_from, setup_from
-from palpate.store.fetching import fetch
+from palpate.store.decoding import moment_from
+from palpate.store.errors import DamagedError
+from palpate.store.fetching import Broken, read_each, setup_of
 from palpate.store.filters import Filter, Sort
 from palpate.store.listing import matching
 from palpate.store.records import Recording, Setup, ThingRef
 from palpate.store.registry import thing_of
+from palpate.store.seals import sealed_document
 from palpate.store.store import Store
 
 __all__ = ["Outline", "Selection"]
@@ -68,11 +68,17 @@ class Selection:
         Sees the store as it was, for all that shall fit to the recordings.
     wanted
         Conditions that hold for them.
+    without
+        Row numbers of recordings that are left out although they match.
+    forgiving
+        Whether damaged pictures of objects are left out too.
     """
 
     store: Store
     connection: Connection
     wanted: Filter
+    without: frozenset[int] = frozenset()
+    forgiving: bool = False
 
     @classmethod
     @contextmanager
@@ -85,8 +91,8 @@ class Selection:
 
     @property
     def is_all(self) -> bool:
-        """Whether nothing was asked for, so that it is all that there is."""
-        return self.wanted == Filter()
+        """Whether nothing was asked for and nothing left out, so that it is all that there is."""
+        return self.wanted == Filter() and not self.without
 
     def public(self) -> Selection:
         """Those of them that anybody may see."""
@@ -98,7 +104,7 @@ class Selection:
 
     def rows(self) -> Select[int]:
         """Their row numbers, for a larger question to the same connection."""
-        return select(matching(self.wanted, AS_THEY_CAME, None, None).order_by(None).subquery().c.id)
+        return select(self._asked(None).order_by(None).subquery().c.id)
 
     def outlines(self) -> Iterator[Outline]:
         """Each of them without its arrays and files, in the order in which they came."""
@@ -117,18 +123,32 @@ class Selection:
         DamagedError
             If one is not what was put into the store.
         """
+        return ([_sound(one) for one in found] for found in self._read())
+
+    def damaged(self) -> list[Broken]:
+        """Those that are not what was put into the store; this reads all of them."""
+        return [one for found in self._read() for one in found if isinstance(one, Broken)]
+
+    def _read(self) -> Iterator[Iterator[Recording | Broken]]:
         for ids in self._pages():
             for part in _parts(ids, set(self.connection.scalars(_large(ids)))):
-                found = fetch(self.connection, self.store.blobs, schema.recordings.c.id.in_(part))
-                yield [recording_from(stored) for stored in found]
+                yield read_each(self.connection, self.store.blobs, part)
 
     def _pages(self) -> Iterator[list[int]]:
         after, row = 0, schema.recordings.c.id
-        while ids := list(
-            self.connection.scalars(matching(self.wanted, AS_THEY_CAME, None, AT_ONCE).where(row > after))
-        ):
+        while ids := list(self.connection.scalars(self._asked(AT_ONCE).where(row > after))):
             yield ids
             after = ids[-1]
+
+    def _asked(self, limit: int | None) -> Select[*tuple[Any, ...]]:
+        asked = matching(self.wanted, AS_THEY_CAME, None, limit)
+        return asked.where(schema.recordings.c.id.not_in(self.without)) if self.without else asked
+
+
+def _sound(found: Recording | Broken) -> Recording:
+    if isinstance(found, Broken):
+        raise DamagedError(str(found))
+    return found
 
 
 def _parts(ids: Sequence[int], large: set[int]) -> Iterator[list[int]]:
@@ -155,9 +175,9 @@ def _large(ids: Sequence[int]) -> Select[int]:
 
 def _outlines(ids: Sequence[int]) -> Select[*tuple[Any, ...]]:
     recordings, things, setups = schema.recordings, schema.things, schema.setups
-    columns = [recordings.c[name] for name in ("uuid", "digest", "visibility", "document")]
+    columns = [recordings.c[name] for name in ("uuid", "digest", "visibility", "document", "seal")]
     return (
-        select(*columns, things, setups.c.document.label("setup"))
+        select(*columns, things, setups.c.digest.label("setup_digest"), setups.c.document.label("setup"))
         .join(things, recordings.c.thing_id == things.c.id)
         .join(setups, recordings.c.setup_id == setups.c.id)
         .where(recordings.c.id.in_(ids))
@@ -166,16 +186,12 @@ def _outlines(ids: Sequence[int]) -> Select[*tuple[Any, ...]]:
 
 
 def _outline(row: Mapping[Any, Any]) -> Outline:
+    document = sealed_document(row)
     return Outline(
         id=UUID(bytes=row["uuid"]),
         digest=row["digest"],
         visibility=row["visibility"],
         thing=thing_of({column.name: row[column] for column in schema.things.c}),
-        setup=_setup(row["setup"]),
-        document=json.loads(row["document"]),
+        setup=setup_of(row["setup_digest"], row["setup"]),
+        document=document,
     )
-
-
-@lru_cache(maxsize=256)
-def _setup(document: str) -> Setup:
-    return setup_from(json.loads(document))

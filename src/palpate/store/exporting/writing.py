@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
 
-from palpate.store.errors import StoreError
+from palpate.errors import plural
+from palpate.store.errors import DamagedError, StoreError
 from palpate.store.exporting.selection import Selection
+from palpate.store.fetching import Broken
 from palpate.store.filters import Filter
 from palpate.store.store import Store
 
 __all__ = ["Format", "Told", "Written", "export", "new_folder"]
 
+SHOWN = 3
 Told = Callable[[int, int], None]
 """Is told how many recordings are done, and of how many."""
 
@@ -38,7 +41,13 @@ class Format(Protocol):
 
 
 def export(
-    store: Store, form: Format, folder: str | Path, wanted: Filter | None = None, told: Told = lambda done, of: None
+    store: Store,
+    form: Format,
+    folder: str | Path,
+    wanted: Filter | None = None,
+    told: Told = lambda done, of: None,
+    *,
+    leave_out_damaged: bool = False,
 ) -> Written:
     """Write recordings into a new folder, as the store is now; it appears whole or not at all.
 
@@ -56,16 +65,36 @@ def export(
         Which recordings; all, unless given.
     told
         Is told how far it is.
+    leave_out_damaged
+        Whether recordings that are not what was put into the store are left out, and named in the notices. All are read
+        once more for it.
 
     Raises
     ------
     StoreError
         If the folder exists, or the format cannot hold the recordings.
     DamagedError
-        If a recording is not what was put into the store.
+        If recordings are not what was put into the store, and shall not be left out.
     """
     with new_folder(Path(folder)) as draft, Selection.of(store, wanted) as selection:
-        return form.write(selection, draft, told)
+        left = selection.damaged() if leave_out_damaged else []
+        without = frozenset(one.row for one in left)
+        try:
+            written = form.write(replace(selection, without=without, forgiving=leave_out_damaged), draft, told)
+        except DamagedError as error:
+            if leave_out_damaged:
+                raise
+            raise _refusal(selection.damaged(), error) from None
+        return replace(written, notices=(*written.notices, *(f"{one}; left out" for one in left)))
+
+
+def _refusal(found: Sequence[Broken], error: DamagedError) -> DamagedError:
+    """Which recordings cannot be exported, or what else was wrong, and what can be done."""
+    told = ", ".join(map(str, found[:SHOWN])) + (f" and {len(found) - SHOWN} more" if len(found) > SHOWN else "")
+    what = f"{plural(len(found), 'recording')} not as written: {told}" if found else str(error)
+    return DamagedError(
+        f"export: {what}; nothing was exported (leave_out_damaged, --leave-out-damaged, exports the rest)"
+    )
 
 
 @contextmanager

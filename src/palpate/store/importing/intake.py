@@ -12,6 +12,7 @@ from palpate.store.checks import check
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.importing.finding import Found, find, told
 from palpate.store.importing.items import Fate, Format, Item, Outcome
+from palpate.store.importing.presence import Presence
 from palpate.store.records import FileItem, Recording
 from palpate.store.store import Store
 
@@ -37,7 +38,7 @@ def import_paths(store: Store, paths: Iterable[Path], formats: Sequence[Format])
     """Put the recordings in files and folders into a store, and tell what became of each once it is committed.
 
     Whatever ends this in the middle, what was committed is whole and stays. Run again it goes on: a recording that
-    the store has is known by its digest.
+    the store has is known by its digest. One whose files or signals are missing in the blobs gets them back.
 
     Parameters
     ----------
@@ -98,8 +99,9 @@ def _files_beside(outcome: Outcome) -> Iterator[str]:
 
 def _taken(store: Store, items: Iterator[Item | Outcome]) -> Iterator[Outcome]:
     """Read items and put them into the store, as many at once as is quick."""
+    presence = Presence(store)
     while chunk := list(islice(items, AT_ONCE)):
-        known = store.known(item.digest for item in chunk if isinstance(item, Item) and item.digest)
+        known, _ = presence.known(item.digest for item in chunk if isinstance(item, Item) and item.digest)
         batch, size_bytes = list[Read](), 0
         for item in chunk:
             outcome = _read(item, known)
@@ -109,9 +111,9 @@ def _taken(store: Store, items: Iterator[Item | Outcome]) -> Iterator[Outcome]:
             batch.append(outcome)
             size_bytes += outcome.size_bytes
             if size_bytes > LARGEST_BATCH_BYTES:
-                yield from _keep(store, batch)
+                yield from _keep(presence, batch)
                 batch, size_bytes = [], 0
-        yield from _keep(store, batch)
+        yield from _keep(presence, batch)
 
 
 def _read(item: Item | Outcome, known: Collection[str]) -> Read | Outcome:
@@ -130,15 +132,21 @@ def _read(item: Item | Outcome, known: Collection[str]) -> Read | Outcome:
         return Outcome(item.source, Fate.REFUSED, told(error, item.source))
 
 
-def _keep(store: Store, batch: Sequence[Read]) -> Iterator[Outcome]:
-    """Keep what the store does not have: looking up a digest is quicker than putting it again."""
-    known = store.known(one.recording.digest for one in batch)
+def _keep(presence: Presence, batch: Sequence[Read]) -> Iterator[Outcome]:
+    """Keep what the store does not have whole: looking up a digest is quicker than putting it again."""
+    known, broken = presence.known(one.recording.digest for one in batch)
     yield from (Outcome(one.source, Fate.KNOWN, None, one.recording) for one in batch if one.recording.digest in known)
-    yield from _put(store, [one for one in batch if one.recording.digest not in known])
+    yield from _put(presence.store, [one for one in batch if one.recording.digest not in known], broken)
 
 
-def _put(store: Store, batch: Sequence[Read]) -> Iterator[Outcome]:
-    """Put recordings at once; where one is refused, each half by itself, so that it does not hold up the others."""
+def _put(store: Store, batch: Sequence[Read], broken: Collection[str]) -> Iterator[Outcome]:
+    """Put recordings at once; where one is refused, each half by itself, so that it does not hold up the others.
+
+    Parameters
+    ----------
+    broken
+        Digests of recordings that were there and lacked something: putting them again brings it back.
+    """
     try:
         wrong = {one.recording.digest for one in batch if one.is_known_wrong}
         receipts = store.put_many([one.recording for one in batch], known_wrong=wrong) if batch else []
@@ -149,11 +157,12 @@ def _put(store: Store, batch: Sequence[Read]) -> Iterator[Outcome]:
             yield Outcome(batch[0].source, Fate.REFUSED, told(error, batch[0].source))
             return
         middle = len(batch) // 2
-        yield from _put(store, batch[:middle])
-        yield from _put(store, batch[middle:])
+        yield from _put(store, batch[:middle], broken)
+        yield from _put(store, batch[middle:], broken)
         return
     for one, receipt in zip(batch, receipts, strict=True):
-        yield Outcome(one.source, Fate.NEW if receipt.new else Fate.KNOWN, None, one.recording)
+        there = Fate.MENDED if receipt.digest in broken else Fate.KNOWN
+        yield Outcome(one.source, Fate.NEW if receipt.new else there, None, one.recording)
 
 
 def _size_bytes(recording: Recording) -> int:

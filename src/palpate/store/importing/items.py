@@ -18,10 +18,11 @@ __all__ = ["Fate", "Format", "HoldsMore", "Item", "Outcome", "StatesUnits", "ide
 
 
 class Fate(Enum):
-    """What became of an item."""
+    """What became of an item; one that is mended was there, and got back what was missing of it."""
 
     NEW = "new"
     KNOWN = "known"
+    MENDED = "mended"
     REFUSED = "refused"
     SKIPPED = "skipped"
 

@@ -28,7 +28,7 @@ class Report:
     >>> report.add(Outcome("a.json", Fate.NEW))
     >>> report.add(Outcome("b.json", Fate.REFUSED, "it is empty"))
     >>> report.counts()
-    {'new': 1, 'known': 0, 'refused': 1, 'skipped': 0}
+    {'new': 1, 'known': 0, 'mended': 0, 'refused': 1, 'skipped': 0}
     >>> [(left.source, left.reason) for left in report.left]
     [('b.json', 'it is empty')]
     """

@@ -1,0 +1,56 @@
+"""Which recordings a store has whole, as far as an import can mend them: with all their blobs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from sqlalchemy import select
+
+from palpate.store import schema
+from palpate.store.legible import reading
+from palpate.store.store import Store
+
+__all__ = ["Presence"]
+
+CHUNK = 400
+
+
+class Presence:
+    """What a store has, while something is imported into it.
+
+    Parameters
+    ----------
+    store
+        Its blobs are listed when the first recording with blobs is asked for, and again where one is missing.
+    """
+
+    def __init__(self, store: Store) -> None:
+        self.store = store
+        self._listed = set[bytes]()
+
+    def known(self, digests: Iterable[str]) -> tuple[set[str], set[str]]:
+        """Which recordings of these digests are there: those with all their blobs, and those that lack one."""
+        known = self.store.known(digests)
+        needed = self._blobs_of(sorted(known))
+        if any(blob not in self._listed for _, blob in needed):
+            # what came since it was listed is none that was lost
+            self._listed = {bytes.fromhex(digest) for digest, _ in self.store.blobs.all()}
+        broken = {digest for digest, blob in needed if blob not in self._listed}
+        return known - broken, broken
+
+    def _blobs_of(self, digests: list[str]) -> list[tuple[str, bytes]]:
+        """Each recording with each of its blobs."""
+        recordings, series, files = schema.recordings.c, schema.series.c, schema.files.c
+        found: list[tuple[str, bytes]] = []
+        with reading(self.store.engine) as connection:
+            for start in range(0, len(digests), CHUNK):
+                these = recordings.digest.in_([bytes.fromhex(one) for one in digests[start : start + CHUNK]])
+                for asked in (
+                    select(recordings.digest, series.blob).join(schema.series, series.recording_id == recordings.id),
+                    select(recordings.digest, files.blob).join(schema.files, files.recording_id == recordings.id),
+                    select(recordings.digest, recordings.log_blob),
+                ):
+                    blob = asked.selected_columns[1]
+                    rows = connection.execute(asked.where(these, blob.is_not(None)))
+                    found += [(digest.hex(), data) for digest, data in rows]
+        return found

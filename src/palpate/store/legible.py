@@ -1,0 +1,63 @@
+"""Reading what may be damaged: one sentence in place of whatever a parser or the database says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from sqlalchemy import Connection, Engine
+from sqlalchemy.exc import DBAPIError
+
+from palpate.store.errors import DamagedError, StoreError, UnavailableError
+
+__all__ = ["legible", "reading"]
+
+UNREADABLE = (ValueError, TypeError, LookupError, AttributeError, ArithmeticError, RecursionError)
+MOST = 120
+"""Letters of what a parser says, which may repeat all that it was given."""
+
+
+@contextmanager
+def legible(where: str) -> Iterator[None]:
+    """Say where something is that cannot be read in the block.
+
+    Raises
+    ------
+    DamagedError
+        If it cannot.
+
+    Examples
+    --------
+    >>> with legible("setup 3"):
+    ...     int("mug")
+    Traceback (most recent call last):
+    palpate.store.errors.DamagedError: setup 3: cannot be read (ValueError: invalid literal for int() with base 10: \
+'mug'), expected what was written
+    """
+    try:
+        yield
+    except StoreError:
+        raise
+    except UNREADABLE as error:
+        said = " ".join(str(error).split())
+        told = f"{type(error).__name__}: {said[:MOST]}{'...' if said[MOST:] else ''}"
+        raise DamagedError(f"{where}: cannot be read ({told}), expected what was written") from error
+
+
+@contextmanager
+def reading(engine: Engine) -> Iterator[Connection]:
+    """A connection to read by; what goes wrong in the block is told in one sentence.
+
+    Raises
+    ------
+    DamagedError
+        If what is stored cannot be read, or tables are missing.
+    UnavailableError
+        If the database does not answer, or refuses.
+    """
+    place = f"store {engine.url!r}"
+    try:
+        with legible(place), engine.connect() as connection:
+            yield connection
+    except DBAPIError as error:
+        raise UnavailableError(f"{place}: {' '.join(str(error.orig).split())}") from None

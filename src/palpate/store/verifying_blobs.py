@@ -1,0 +1,106 @@
+"""Blobs that are missing, damaged, or left over; and who needs them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Iterator
+from typing import Any
+
+from sqlalchemy import Connection, Select, or_, select, union
+
+from palpate.store import schema
+from palpate.store.audit import CHANGED
+from palpate.store.blobs import Blobs, is_digest
+from palpate.store.errors import DamagedError
+from palpate.store.faults import Fault, Remedy
+from palpate.store.legible import legible
+from palpate.store.seals import recording_name
+
+__all__ = ["blob_faults", "named_blobs", "rows_with", "stray_faults"]
+
+CHUNK = 400
+SHOWN = 3
+
+
+def blob_faults(connection: Connection, blobs: Blobs, lost: set[str]) -> Iterator[Fault]:
+    """Blobs that something refers to and that are missing or damaged, with what that is; `lost` gets their digests."""
+    there = {digest for digest, _ in blobs.all()}
+    for digest in sorted(named_blobs(connection)):
+        try:
+            blobs.get(digest)
+        except DamagedError as error:
+            lost.add(digest)
+            what = str(error).removeprefix(f"blob {digest}: ")
+            told = f"{what}; needed by {_needed_by(connection, digest)}"
+            yield Fault(f"blob {digest}", told, Remedy.SET_ASIDE if digest in there else None)
+
+
+def stray_faults(connection: Connection, blobs: Blobs, written_before: float) -> Iterator[Fault]:
+    """Blobs that nothing refers to and that were written before a time [s since 1970]."""
+    named = named_blobs(connection)
+    for digest, written in blobs.all():
+        if digest not in named and written < written_before:
+            yield Fault(f"blob {digest}", "nothing refers to it, and it is older than a day", Remedy.REMOVE)
+
+
+def named_blobs(connection: Connection) -> set[str]:
+    """The digests of all blobs that something refers to.
+
+    Raises
+    ------
+    DamagedError
+        If that cannot be told: then no blob may be removed.
+    """
+    columns = (schema.series.c.blob, schema.files.c.blob, schema.recordings.c.log_blob, schema.thing_images.c.blob)
+    asked = union(*(select(column).where(column.is_not(None)) for column in columns))
+    found = {digest.hex() for digest in connection.scalars(asked)}
+    return found.union(*(digests for _, digests in _of_audit(connection)))
+
+
+def rows_with(connection: Connection, digests: Collection[str]) -> set[int]:
+    """Row numbers of the recordings that need one of these blobs."""
+    found, wanted = set[int](), [bytes.fromhex(digest) for digest in digests]
+    for start in range(0, len(wanted), CHUNK):
+        found.update(connection.scalars(_rows_with(wanted[start : start + CHUNK])))
+    return found
+
+
+def _rows_with(digests: list[bytes]) -> Select[int]:
+    recordings, series, files = schema.recordings.c, schema.series.c, schema.files.c
+    of_series = select(series.recording_id).where(series.blob.in_(digests))
+    of_files = select(files.recording_id).where(files.blob.in_(digests))
+    needs = or_(recordings.log_blob.in_(digests), recordings.id.in_(of_series), recordings.id.in_(of_files))
+    return select(recordings.id).where(needs)
+
+
+def _needed_by(connection: Connection, digest: str) -> str:
+    recordings, things, images = schema.recordings.c, schema.things, schema.thing_images.c
+    rows = select(recordings.uuid).where(recordings.id.in_(_rows_with([bytes.fromhex(digest)])))
+    shown = select(things.c.dataset, things.c.name).join(schema.thing_images, images.thing_id == things.c.id)
+    shown = shown.where(images.blob == bytes.fromhex(digest))
+    names = [recording_name(uuid) for uuid in connection.scalars(rows.order_by(recordings.id))]
+    names += [f"object {row.dataset}/{row.name}" for row in connection.execute(shown)]
+    if not names:
+        undone = (f"an undo for object {name}" for name, digests in _of_audit(connection) if digest in digests)
+        names = list(dict.fromkeys(undone))
+    return ", ".join(names[:SHOWN]) + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")
+
+
+def _of_audit(connection: Connection) -> Iterator[tuple[str, set[str]]]:
+    """The pictures that a change took away or brought: an undo shows them again."""
+    audit, things = schema.audit.c, schema.things.c
+    asked = (
+        select(things.dataset, things.name, audit.detail)
+        .join(schema.things, things.id == audit.thing_id)
+        .where(audit.what == CHANGED)
+    )
+    for row in connection.execute(asked):
+        name = f"{row.dataset}/{row.name}"
+        with legible(f"the audit of object {name}"):
+            yield name, set(_images_of(json.loads(row.detail)))
+
+
+def _images_of(detail: list[dict[str, Any]]) -> Iterator[str]:
+    for part in detail:
+        if part["field"][0] == "images":
+            yield from (part[side][1] for side in ("before", "after") if side in part and is_digest(part[side][1]))
