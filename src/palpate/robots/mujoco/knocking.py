@@ -11,8 +11,8 @@ from palpate.robots.mujoco.furniture import PLACE_M
 from palpate.robots.mujoco.gripper import PAD_TO_TIP_M
 from palpate.robots.mujoco.motion import reach
 from palpate.robots.mujoco.scene import STEP_S, Scene
-from palpate.robots.mujoco.signals import SoundSignals
 from palpate.robots.mujoco.sound import Knock, modes, ring
+from palpate.robots.signals import SoundSignals
 
 __all__ = ["DURATION_S", "RATE_HZ", "knock"]
 
