@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from palpate.estimators.classifier import Classifier
 from palpate.estimators.signals import SignalError
@@ -12,14 +13,19 @@ from palpate.estimators.squeezing import Jaws, squeeze
 from palpate.estimators.vision import OnnxClassifier
 from palpate.estimators.weighing import Hold, weigh
 from palpate.network.model import Network
+from palpate.network.properties import CategoricalProperty
 from palpate.outcomes import Failed, Outcome
 from palpate.robots.mujoco import knocking, looking, squeezing, weighing
+from palpate.robots.mujoco.errors import BenchError
 from palpate.robots.mujoco.gripper import POSITION_STEP_MM
 from palpate.robots.mujoco.reading import SHIPPED, read_roles
 from palpate.robots.mujoco.repertoire import repertoire
 from palpate.robots.signals import ImageSignals, SoundSignals, SqueezeSignals, WeighSignals
 
-__all__ = ["Ears", "Eyes", "Hand", "estimates"]
+__all__ = ["SOUNDS", "Ears", "Eyes", "Hand", "estimates"]
+
+SOUNDS = Path(__file__).parents[2] / "data" / "bench" / "sounds.json"
+"""The classifier of knocks that ships."""
 
 
 @dataclass(frozen=True)
@@ -105,14 +111,21 @@ def estimates(
     ----------
     hand
         For weighing and squeezing; with the figures of `Hand` unless given.
-    ears, eyes
-        For sounds and images; actions that need what is not given are left out.
+    ears
+        For sounds; with the classifier that ships unless given, for actions whose property has its labels as states.
+    eyes
+        For images; actions that look, and that it has no model for, are left out.
+
+    Raises
+    ------
+    BenchError
+        What was given for an action has no label that is a state of what the action measures.
 
     Examples
     --------
     >>> from palpate.network.reading import load_network
     >>> sorted(estimates(load_network("household")))
-    ['squeezing', 'weighing']
+    ['mat-sound', 'squeezing', 'weighing']
     """
     hand, eyes = hand or Hand(), eyes or Eyes()
     found: dict[str, Callable[..., Outcome]] = {}
@@ -121,8 +134,22 @@ def estimates(
             found[action] = hand.mass
         elif deed is squeezing.squeeze:
             found[action] = hand.elasticity
-        elif deed is knocking.knock and ears is not None:
-            found[action] = ears.label
+        elif deed is knocking.knock:
+            listener = ears or Ears(Classifier.load(SOUNDS))
+            if _knows(network, action, listener.classifier.labels, given=ears is not None):
+                found[action] = listener.label
         elif deed is looking.look and action in eyes.models:
             found[action] = eyes.of(action)
     return found
+
+
+def _knows(network: Network, action: str, labels: Sequence[str], *, given: bool) -> bool:
+    """Whether labels are states of what an action measures: all of them, or, where they were given, some."""
+    measured = network.properties[network.actions[action].sensor.property]
+    states = measured.states if isinstance(measured, CategoricalProperty) else ()
+    if given and not set(labels) & set(states):
+        raise BenchError(
+            f"action {action!r}: labels {', '.join(labels)} were found, expected states of {measured.name!r}: "
+            f"{', '.join(states)}"
+        )
+    return given or set(labels) <= set(states)
