@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from palpate.estimators.mel import mel_spectrogram
 from palpate.estimators.signals import EstimatorError, SignalError, check_clipping, samples
 
-__all__ = ["FEATURES", "Impact", "decay_time_s", "features", "impact", "loss_tangent"]
+__all__ = ["FEATURES", "Impact", "check_decay", "decay_time_s", "features", "impact", "loss_tangent"]
 
 FRAME_S = 0.005
 LEAST_S = 0.05
@@ -172,6 +172,14 @@ def loss_tangent(frequency_hz: float, decay_s: float) -> float:
     return float(np.log(1000.0) / (np.pi * frequency_hz * decay_s))
 
 
+def check_decay(knock: Impact) -> float:
+    """Time in which a knock falls by 60 dB [s]; SignalError if it does not die away, and so is none."""
+    found = _decay(knock, None)
+    if not np.isfinite(found):
+        raise SignalError("recording: what begins in it does not die away above the noise, as a knock would")
+    return found
+
+
 def features(knock: Impact) -> NDArray[np.float64]:
     """What a knock sounds like: the numbers of `FEATURES`.
 
@@ -183,9 +191,7 @@ def features(knock: Impact) -> NDArray[np.float64]:
     SignalError
         If the sound does not die away: then it was no knock, or the recording is too short or too noisy to tell.
     """
-    whole = _decay(knock, None)
-    if not np.isfinite(whole):
-        raise SignalError("recording: what begins in it does not die away above the noise, as a knock would")
+    whole = check_decay(knock)
     spectrum = np.abs(np.fft.rfft(knock.samples * np.hanning(2 * knock.samples.size)[knock.samples.size :])) ** 2
     hertz = np.fft.rfftfreq(knock.samples.size, 1 / knock.rate_hz)
     heard = (hertz >= BANDS_HZ[0][0]) & (hertz < min(BANDS_HZ[-1][1], knock.rate_hz / 2))

@@ -6,18 +6,9 @@ import argparse
 import sys
 from pathlib import Path
 
-import numpy as np
-
 from palpate.errors import PalpateError
-from palpate.estimators.classifier import Classifier
-from palpate.network.reading import load_network
-from palpate.robots.mujoco.reading import bench_object, read_substances
-from palpate.robots.mujoco.training import sounds
-from palpate.robots.mujoco.training.held_out import scores
-from palpate.robots.mujoco.training.report import report
-from palpate.robots.mujoco.training.tables import Plate, draw_plates, read_measured
+from palpate.robots.mujoco.training import commands
 
-EACH, KNOCKS, BENCH_KNOCKS = 60, 4, 10
 SEED = 1
 
 
@@ -26,7 +17,7 @@ def main(arguments: list[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         options.run(options)
-    except PalpateError as error:
+    except (PalpateError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     return 0
@@ -34,58 +25,35 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="python -m palpate.robots.mujoco.training", description="Train the models that ship with the bench."
+        prog=commands.PROGRAM, description="Train the models that ship with the bench, and tell how good they are."
     )
-    commands = parser.add_subparsers(required=True)
-    command = commands.add_parser("sounds", help="the classifier of knocks, from plates of every material")
-    command.set_defaults(run=_sounds)
-    command.add_argument("out", type=Path, help="the JSON file to write")
-    command.add_argument("--seed", type=int, default=SEED, help="of all chance (default %(default)s)")
-    command.add_argument("--each", type=int, default=EACH, help="plates of a material (default %(default)s)")
-    command.add_argument("--knocks", type=int, default=KNOCKS, help="on a plate (default %(default)s)")
-    command = commands.add_parser("measured", help="how a classifier of knocks fares on the tables of the package tdw")
-    command.set_defaults(run=_measured)
-    command.add_argument("model", type=Path, help="the JSON file of the classifier")
-    command.add_argument("--tables", type=Path, help="their folder (default: that of the installed package)")
-    command.add_argument("--seed", type=int, default=SEED, help="of all chance (default %(default)s)")
+    verbs = parser.add_subparsers(required=True)
+    verb = verbs.add_parser("sounds", help="the classifier of knocks, from plates of every material")
+    verb.add_argument("out", type=Path, help="the JSON file to write")
+    _count(verb, each=(60, "plates of a material"), knocks=(4, "on a plate"))
+    verb.set_defaults(run=commands.train_ears)
+    verb = verbs.add_parser("measured", help="how a classifier of knocks fares on the tables of the package tdw")
+    verb.add_argument("model", type=Path, help="the JSON file of the classifier")
+    verb.add_argument("--tables", type=Path, help="their folder (default: that of the installed package)")
+    verb.set_defaults(run=commands.try_measured)
+    verb = verbs.add_parser("pictures", help="the models of images, from pictures of things drawn at random")
+    verb.add_argument("out", type=Path, help="the folder to write to")
+    _count(verb, things=(900, "things to draw"), views=(2, "pictures of a thing"), epochs=(24, "times to learn them"))
+    verb.set_defaults(run=commands.train_eyes)
+    verb = verbs.add_parser("spectrograms", help="a ResNet34 of mel spectrograms, from plates of every material")
+    verb.add_argument("out", type=Path, help="the ONNX file to write")
+    _count(
+        verb, each=(60, "plates of a material"), knocks=(4, "on a plate"), epochs=(10, "times to learn from each knock")
+    )
+    verb.set_defaults(run=commands.train_listener)
+    for verb in verbs.choices.values():
+        verb.add_argument("--seed", type=int, default=SEED, help="of all chance (default %(default)s)")
     return parser
 
 
-def _sounds(options: argparse.Namespace) -> None:
-    rng = np.random.default_rng(options.seed)
-    plates = draw_plates(read_substances(), options.each, rng)
-    examples = sounds.record(plates, options.knocks, rng)
-    source = (
-        f"python -m palpate.robots.mujoco.training sounds --seed {options.seed} --each {options.each} "
-        f"--knocks {options.knocks}: knocks on plates of the materials in data/bench/objects.toml"
-    )
-    trained = sounds.train(examples, rng, source=source)
-    trained.classifier.save(options.out)
-    print(report(f"Plates held out, {len(plates)} of them", trained.scores))
-    network = load_network("household")
-    things = [bench_object(network, name) for name in network.objects]
-    own = [
-        Plate(str(network.object(thing.name).truth["material"].value), thing.substance, thing.size_mm, thing.wall_mm)
-        for thing in things
-    ]
-    met = sounds.record(own, BENCH_KNOCKS, rng)
-    found = scores(
-        sounds.answers(trained.classifier, met, trained.classifier.labels), met.labels, trained.classifier.labels
-    )
-    print()
-    print(report("The bench's own objects", found))
-
-
-def _measured(options: argparse.Namespace) -> None:
-    tables, rng = read_measured(options.tables), np.random.default_rng(options.seed)
-    examples = sounds.record(tables, BENCH_KNOCKS, rng)
-    classifier = Classifier.load(options.model)
-    states = classifier.labels
-    found = scores(sounds.answers(classifier, examples, states), examples.labels, states)
-    print(report(f"{options.model.name} on {len(tables)} measured tables", found))
-    print()
-    own = sounds.train(examples, rng, folds=2).scores
-    print(report("Trained on half of the measured tables, told the others", own))
+def _count(verb: argparse.ArgumentParser, **counts: tuple[int, str]) -> None:
+    for name, (default, what) in counts.items():
+        verb.add_argument(f"--{name}", type=int, default=default, help=f"{what} (default %(default)s)")
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from palpate.errors import PalpateError
 from palpate.estimators.classifier import Classifier, fit_classifier
+from palpate.estimators.mel import mel_picture
 from palpate.estimators.signals import SignalError
-from palpate.estimators.sound import FEATURES, features, impact
+from palpate.estimators.sound import FEATURES, Impact, check_decay, features, impact
 from palpate.outcomes import Failed
 from palpate.robots.mujoco.hearing import RATE_HZ
 from palpate.robots.mujoco.noise import BenchNoise
@@ -26,7 +27,7 @@ from palpate.robots.mujoco.training.held_out import (
 )
 from palpate.robots.mujoco.training.tables import Table
 
-__all__ = ["FOLDS", "Trained", "answers", "record", "train"]
+__all__ = ["FOLDS", "Trained", "answers", "draw_spectrograms", "record", "train"]
 
 FOLDS = 5
 DIGITS = 6
@@ -48,13 +49,29 @@ def record(tables: Sequence[Table], knocks: int, rng: np.random.Generator) -> Ex
     PalpateError
         Not one knock of a table can be told.
     """
+    return _heard(tables, knocks, rng, features)
+
+
+def draw_spectrograms(tables: Sequence[Table], knocks: int, rng: np.random.Generator) -> Examples:
+    """Pictures of the sounds of so many knocks on each table, as `record` has their features."""
+
+    def picture(knock: Impact) -> NDArray[np.uint8]:
+        check_decay(knock)
+        return mel_picture(knock.samples, knock.rate_hz)
+
+    return _heard(tables, knocks, rng, picture)
+
+
+def _heard(
+    tables: Sequence[Table], knocks: int, rng: np.random.Generator, told: Callable[[Impact], NDArray[np.generic]]
+) -> Examples:
     noise = BenchNoise()
-    rows: list[tuple[NDArray[np.float64], str, int]] = []
+    rows: list[tuple[NDArray[np.generic], str, int]] = []
     for number, table in enumerate(tables):
         before = len(rows)
         for _ in range(knocks):
             try:
-                rows.append((features(impact(table.sound(noise, rng), RATE_HZ)), table.label, number))
+                rows.append((told(impact(table.sound(noise, rng), RATE_HZ)), table.label, number))
             except SignalError:
                 continue
         if len(rows) == before:
