@@ -16,7 +16,7 @@ from palpate.robots.mujoco.estimates import PICTURES, SOUNDS, Ears, Eyes, estima
 from palpate.robots.mujoco.knocking import knock
 from palpate.robots.mujoco.looking import look
 from palpate.robots.mujoco.reading import bench_object
-from palpate.robots.mujoco.signals import ImageSignals, SoundSignals
+from palpate.robots.signals import ImageSignals, SoundSignals
 
 
 def test_the_shipped_models_serve_what_they_know() -> None:
