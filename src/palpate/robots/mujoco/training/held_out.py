@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from palpate.network.vectors import FLOOR
 
-__all__ = ["Examples", "Probabilities", "Scores", "fit_temperature", "folds", "held_out", "scores", "tempered"]
+__all__ = ["Examples", "Scores", "fit_temperature", "folds", "held_out", "scores", "tempered"]
 
 COLDEST, HOTTEST = 0.25, 20.0
 
