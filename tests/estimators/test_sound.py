@@ -1,6 +1,7 @@
 """Knocks: onset, decay and features of sounds that are known, and what is refused."""
 
 import wave
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -70,13 +71,36 @@ def test_duller_sounds_have_shorter_decays() -> None:
     assert np.all(np.diff(table[:, FEATURES.index("loss_tangent_log")]) < 0)
 
 
-def test_noise_alone_is_no_knock() -> None:
-    """Noise, white or brown, quiet or loud, is refused."""
+def coloured_noise(power: float, rng: np.random.Generator, length: int = RATE_HZ // 2) -> np.ndarray:
+    """Noise whose power falls with that power of the frequency: white is 0, pink 1, brown 2."""
+    hertz = np.fft.rfftfreq(length, 1 / RATE_HZ)
+    spectrum = np.fft.rfft(rng.standard_normal(length))
+    spectrum[1:] /= hertz[1:] ** (power / 2)
+    spectrum[0] = 0
+    noise = np.fft.irfft(spectrum, length)
+    return np.asarray(0.5 * noise / np.abs(noise).max())
+
+
+@pytest.mark.parametrize("power", [0.0, 1.0, 2.0])
+def test_noise_alone_is_no_knock(power: float) -> None:
+    """Noise, white, pink or brown, quiet or loud, gives no features to be sure of."""
     rng = np.random.default_rng(4)
-    for _ in range(100):
-        white = rng.normal(0, 0.1, RATE_HZ // 2)
+    for _ in range(50):
         with pytest.raises(SignalError):
-            impact(white, RATE_HZ)
+            features(impact(rng.uniform(0.01, 1) * coloured_noise(power, rng), RATE_HZ))
+
+
+def test_what_begins_and_stays_is_no_knock() -> None:
+    """A tone or noise that is switched on rings for ever, and one that swells is loudest at its end."""
+    rng, seconds = np.random.default_rng(5), np.arange(RATE_HZ) / RATE_HZ
+    on = np.where(seconds < 0.2, 1e-3, 1.0)
+    for lasting in (0.3 * np.sin(2 * np.pi * 700 * seconds), rng.normal(0, 0.1, RATE_HZ)):
+        with pytest.raises(SignalError):
+            features(impact(on * lasting, RATE_HZ))
+    rising = np.interp(seconds, [0.2, 0.3, 1.0], [1e-3, 1.0, 0.3])
+    swelling = rising * 0.3 * np.sin(2 * np.pi * 700 * seconds)
+    with pytest.raises(SignalError, match="swells"):
+        impact(swelling, RATE_HZ)
 
 
 @pytest.mark.parametrize(
@@ -207,13 +231,15 @@ def two_kinds(count: int, seed: int) -> tuple[np.ndarray, list[str]]:
 def test_sounds_are_told_apart_by_their_decay(tmp_path: Path) -> None:
     """A classifier fitted to some knocks is right about others, its probabilities sum to one, and it is kept whole."""
     table, labels = two_kinds(60, 1)
-    fitted = fit_classifier(table, labels, FEATURES)
+    fitted = replace(fit_classifier(table, labels, FEATURES), temperature=1.5, source="two kinds")
     fitted.save(tmp_path / "sounds.json")
     kept = Classifier.load(tmp_path / "sounds.json")
+    assert (kept.temperature, kept.source) == (1.5, "two kinds")
     right = 0
     for row, label in zip(*two_kinds(60, 2), strict=True):
         outcome = kept.outcome(row)
         assert isinstance(outcome, Posterior)
+        assert outcome.temperature == 1.5
         assert sum(outcome.probabilities.values()) == pytest.approx(1)
         right += max(outcome.probabilities, key=lambda name: outcome.probabilities[name]) == label
     assert right >= 57
@@ -236,7 +262,15 @@ def test_wrong_tables_are_errors(tmp_path: Path) -> None:
         fit_classifier([[1.0]], ["a", "b"], ["x"])
     with pytest.raises(EstimatorError, match="two at least"):
         fit_classifier([[1.0], [2.0]], ["a", "a"], ["x"])
-    for text in ("", "[]", '{"features": ["x"], "labels": ["a"], "means": [[1, 2]], "precision": [[1]]}'):
+    fine = '{"features": ["x"], "labels": ["a"], "means": [[1]], "precision": [[1]]'
+    for text in (
+        "",
+        "[]",
+        '{"features": ["x"], "labels": ["a"], "means": [[1, 2]], "precision": [[1]]}',
+        fine + ', "temperature": 0}',
+        fine + ', "temperature": "warm"}',
+        fine.replace("[[1]]", "[[NaN]]") + "}",
+    ):
         (tmp_path / "other.json").write_text(text)
         with pytest.raises(EstimatorError):
             Classifier.load(tmp_path / "other.json")

@@ -87,6 +87,18 @@ def test_labels_are_mapped_and_unknown_ones_kept(model: Model) -> None:
     admit(load_network("household"), "cat-vision", outcome)
 
 
+def test_a_label_may_mean_that_nothing_is_seen(model: Model) -> None:
+    """Where it is the likeliest, looking failed; elsewhere it does not count; it must be one of the labels."""
+    blind = replace(model, nothing="red thing")
+    assert isinstance(OnnxClassifier(blind).outcome(coloured(0)), Failed)
+    outcome = OnnxClassifier(blind).outcome(coloured(1))
+    assert isinstance(outcome, Posterior)
+    assert set(outcome.probabilities) == set(blind.tells) == {"green thing", "blue thing"}
+    assert sum(outcome.probabilities.values()) == pytest.approx(1)
+    with pytest.raises(EstimatorError, match="expected one of its labels"):
+        replace(model, nothing="void")
+
+
 def test_an_image_of_nothing_fails(model: Model) -> None:
     """One colour shows nothing, and is no reason to be sure of anything."""
     outcome = OnnxClassifier(model).outcome(np.full((20, 20, 3), 200, np.uint8))

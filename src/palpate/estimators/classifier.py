@@ -34,12 +34,18 @@ class Classifier:
         Of the features of each label, (k, d).
     precision
         Inverse of the covariance within labels, (d, d).
+    temperature
+        Of its probabilities, see `palpate.outcomes.Posterior`: above one where they are surer than right.
+    source
+        What it was fitted to, and how.
     """
 
     names: tuple[str, ...]
     labels: tuple[str, ...]
     means: NDArray[np.float64]
     precision: NDArray[np.float64]
+    temperature: float = 1.0
+    source: str = ""
 
     def outcome(self, features: ArrayLike) -> Posterior | Failed:
         """Probabilities of the labels, which sum to one, given features, (d); failed where they are like none of them.
@@ -54,7 +60,8 @@ class Classifier:
             return Failed(f"features are {np.sqrt(squares.min() / len(self.names)):.1f} SDs from those of every label")
         scores = -0.5 * (squares - squares.min())
         probabilities = np.exp(scores) / np.exp(scores).sum()
-        return Posterior({label: float(p) for label, p in zip(self.labels, probabilities, strict=True)})
+        named = {label: float(p) for label, p in zip(self.labels, probabilities, strict=True)}
+        return Posterior(named, temperature=self.temperature)
 
     def _distances(self, features: ArrayLike) -> NDArray[np.float64]:
         """Squared Mahalanobis distances from each label, (k)."""
@@ -71,8 +78,10 @@ class Classifier:
     def save(self, path: str | Path) -> None:
         """Write it as JSON."""
         plain = {
+            "source": self.source,
             "features": list(self.names),
             "labels": list(self.labels),
+            "temperature": self.temperature,
             "means": self.means.tolist(),
             "precision": self.precision.tolist(),
         }
@@ -91,11 +100,14 @@ class Classifier:
             plain = json.loads(Path(path).read_text(encoding="utf-8"))
             names, labels = tuple(plain["features"]), tuple(plain["labels"])
             means, precision = np.array(plain["means"], dtype=float), np.array(plain["precision"], dtype=float)
+            temperature, source = float(plain.get("temperature", 1.0)), str(plain.get("source", ""))
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise EstimatorError(f"{path}: cannot be read ({error}), expected what Classifier.save wrote") from None
         if means.shape != (len(labels), len(names)) or precision.shape != (len(names), len(names)):
             raise EstimatorError(f"{path}: its tables do not fit {len(labels)} labels and {len(names)} features")
-        return cls(names, labels, means, precision)
+        if not (np.all(np.isfinite(means)) and np.all(np.isfinite(precision)) and 0 < temperature < np.inf):
+            raise EstimatorError(f"{path}: its numbers must be finite, and its temperature above 0")
+        return cls(names, labels, means, precision, temperature, source)
 
 
 def fit_classifier(

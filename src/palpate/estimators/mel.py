@@ -7,7 +7,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["from_mel", "mel_bands", "mel_spectrogram", "to_mel"]
+__all__ = ["from_mel", "mel_bands", "mel_picture", "mel_spectrogram", "to_mel"]
+
+PICTURE_S, PICTURE_BANDS, DEEPEST_DB = 0.5, 64, 80.0
 
 
 def to_mel(frequency_hz: ArrayLike) -> NDArray[np.float64]:
@@ -65,3 +67,30 @@ def mel_spectrogram(
     power = np.abs(np.fft.rfft(cut * np.hanning(length), axis=1)) ** 2 / length
     found: NDArray[np.float64] = mel_bands(bands, length, float(rate_hz)) @ power.T
     return found
+
+
+def mel_picture(sound: ArrayLike, rate_hz: float) -> NDArray[np.uint8]:
+    """A mel spectrogram as a grey image for networks that take images, (64, frames, 3), low bands at the bottom.
+
+    Half a second of sound, silent where it ends sooner; white is the loudest, black 80 dB below it or less.
+
+    Parameters
+    ----------
+    sound
+        Samples from the onset on, (n).
+
+    Examples
+    --------
+    >>> tone = np.sin(2 * np.pi * 1000 * np.arange(22050) / 44100)
+    >>> picture = mel_picture(tone, 44100.0)
+    >>> picture.shape, int(picture.max()), int(picture[0].max())
+    ((64, 60, 3), 255, 0)
+    """
+    values, wanted = np.asarray(sound, dtype=np.float64), round(PICTURE_S * rate_hz)
+    whole = np.zeros(wanted)
+    whole[: min(values.size, wanted)] = values[:wanted]
+    power = mel_spectrogram(whole, rate_hz, bands=PICTURE_BANDS)
+    loudest = float(power.max())
+    level_db = 10 * np.log10(np.maximum(power / loudest, 1e-30)) if loudest > 0 else np.full(power.shape, -np.inf)
+    grey = np.round(255 * np.clip(1 + level_db / DEEPEST_DB, 0, 1)).astype(np.uint8)
+    return np.repeat(grey[::-1, :, None], 3, axis=2)

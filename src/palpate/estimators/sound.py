@@ -14,12 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 from palpate.estimators.mel import mel_spectrogram
 from palpate.estimators.signals import EstimatorError, SignalError, check_clipping, samples
 
-__all__ = ["FEATURES", "Impact", "decay_time_s", "features", "impact", "loss_tangent"]
+__all__ = ["FEATURES", "Impact", "check_decay", "decay_time_s", "features", "impact", "loss_tangent"]
 
 FRAME_S = 0.005
 LEAST_S = 0.05
 ONSET_TIMES = 8.0
 """An impact is so many times as loud as the noise before it."""
+LOWEST_HZ = 50.0
+SWELL_S = 0.05
+"""What takes longer to become loudest is no knock."""
 BANDS_HZ = ((100.0, 500.0), (500.0, 1500.0), (1500.0, 4000.0), (4000.0, 8000.0))
 MELS = 24
 ROUNDS = 6
@@ -72,7 +75,8 @@ def impact(recording: ArrayLike, rate_hz: float) -> Impact:
     EstimatorError
         If the rate is too low for what is asked of the sound.
     SignalError
-        If the recording is silent, cut off or too short after the onset, or nothing stands out: noise is no knock.
+        If the recording is silent, cut off or too short after the onset, swells, or nothing stands out: noise is no
+        knock.
     """
     if not (np.isfinite(rate_hz) and rate_hz >= 8000):
         raise EstimatorError(f"rate_hz: found {rate_hz}, expected 8000 or more")
@@ -82,7 +86,8 @@ def impact(recording: ArrayLike, rate_hz: float) -> Impact:
     check_clipping("recording", found)
     found = found - found.mean()
     frame = int(FRAME_S * rate_hz)
-    power = np.mean(found[: found.size // frame * frame].reshape(-1, frame) ** 2, axis=1)
+    heard = _audible(found, rate_hz)
+    power = np.mean(heard[: heard.size // frame * frame].reshape(-1, frame) ** 2, axis=1)
     loudest = int(np.argmax(power))
     quiet = float(np.quantile(power, 0.1))
     before = float(np.median(power[:loudest])) if loudest > 2 else quiet
@@ -95,6 +100,12 @@ def impact(recording: ArrayLike, rate_hz: float) -> Impact:
     if found.size - start < LEAST_S * rate_hz:
         raise SignalError(
             f"recording: it ends {(found.size - start) / rate_hz:.3f} s after the knock, {LEAST_S} s are needed"
+        )
+    if first > 2 and power[loudest] < ONSET_TIMES * np.quantile(power[:first], 0.9):
+        raise SignalError("recording: what comes before the loudest is nearly as loud: noise, and no knock")
+    if (loudest - first) * FRAME_S > SWELL_S:
+        raise SignalError(
+            f"recording: it swells for {(loudest - first) * FRAME_S:.2f} s; a knock is loudest at its beginning"
         )
     noise = float(np.sqrt(np.mean(found[: start - frame] ** 2))) if start > 2 * frame else 0.0
     return Impact(found[start:], float(rate_hz), start / rate_hz, noise)
@@ -161,12 +172,26 @@ def loss_tangent(frequency_hz: float, decay_s: float) -> float:
     return float(np.log(1000.0) / (np.pi * frequency_hz * decay_s))
 
 
+def check_decay(knock: Impact) -> float:
+    """Time in which a knock falls by 60 dB [s]; SignalError if it does not die away, and so is none."""
+    found = _decay(knock, None)
+    if not np.isfinite(found):
+        raise SignalError("recording: what begins in it does not die away above the noise, as a knock would")
+    return found
+
+
 def features(knock: Impact) -> NDArray[np.float64]:
     """What a knock sounds like: the numbers of `FEATURES`.
 
     Loudness does not count: the microphone's distance and the strength of the knock are of no interest. Where a band
     holds nothing its decay is that of the whole.
+
+    Raises
+    ------
+    SignalError
+        If the sound does not die away: then it was no knock, or the recording is too short or too noisy to tell.
     """
+    whole = check_decay(knock)
     spectrum = np.abs(np.fft.rfft(knock.samples * np.hanning(2 * knock.samples.size)[knock.samples.size :])) ** 2
     hertz = np.fft.rfftfreq(knock.samples.size, 1 / knock.rate_hz)
     heard = (hertz >= BANDS_HZ[0][0]) & (hertz < min(BANDS_HZ[-1][1], knock.rate_hz / 2))
@@ -178,7 +203,6 @@ def features(knock: Impact) -> NDArray[np.float64]:
     rolloff = float(octaves[int(np.searchsorted(np.cumsum(share), 0.85))])
     mels = mel_spectrogram(knock.samples, knock.rate_hz, bands=MELS).mean(axis=1) + 1e-20
     flatness = float(np.mean(np.log(mels)) - np.log(mels.mean()))
-    whole = _decay(knock, None)
     decays = [_decay(knock, band, otherwise=whole) for band in BANDS_HZ]
     levels = [float(share[(hertz >= low) & (hertz < high)].sum()) for low, high in BANDS_HZ]
     peak = float(hertz[int(np.argmax(spectrum))])
@@ -186,7 +210,7 @@ def features(knock: Impact) -> NDArray[np.float64]:
     return np.array([centre, spread, rolloff, flatness, *np.log(decays), *np.log(np.array(levels) + 1e-4), loss])
 
 
-def _decay(knock: Impact, band: tuple[float, float] | None, otherwise: float = 0.02) -> float:
+def _decay(knock: Impact, band: tuple[float, float] | None, otherwise: float = float("nan")) -> float:
     """Decay time of a band [s]; `otherwise` where it holds nothing that decays."""
     from scipy.signal import butter, sosfiltfilt
 
@@ -208,3 +232,12 @@ def _until_noise(power: NDArray[np.float64], rate_hz: float, noise_rms: float) -
     levels = power[: power.size // frame * frame].reshape(-1, frame).mean(axis=1)
     weak = np.flatnonzero(levels < 2 * noise_rms**2)
     return power[: int(weak[0]) * frame] if weak.size else power
+
+
+def _audible(found: NDArray[np.float64], rate_hz: float) -> NDArray[np.float64]:
+    """Without what is too low to hear: hum of handling, wind and drift rise and fall as well."""
+    from scipy.signal import butter, sosfilt
+
+    lowest = butter(2, LOWEST_HZ, "highpass", fs=rate_hz, output="sos")
+    heard: NDArray[np.float64] = sosfilt(lowest, found - found[0])
+    return heard

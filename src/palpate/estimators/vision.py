@@ -44,6 +44,11 @@ class Model:
         Of the probabilities, see `palpate.outcomes.Posterior`.
     mean, sd
         Of the pixels in training, by channel, from 0 to 1.
+    nothing
+        The label of images that show none of the others, if there is one: where it is the likeliest, looking failed,
+        and otherwise it does not count.
+    source
+        What it was trained on, and how.
     """
 
     path: Path
@@ -53,6 +58,18 @@ class Model:
     temperature: float = 1.0
     mean: tuple[float, float, float] = (0.5, 0.5, 0.5)
     sd: tuple[float, float, float] = (0.5, 0.5, 0.5)
+    nothing: str | None = None
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        if self.nothing is not None and self.nothing not in self.labels:
+            raise EstimatorError(f"{self.path}: nothing = {self.nothing!r} was found, expected one of its labels")
+
+    @property
+    def tells(self) -> tuple[str, ...]:
+        """What it may tell: its labels as the network knows them, without that of nothing."""
+        told = (label for label in self.labels if label != self.nothing)
+        return tuple(dict.fromkeys(self.label_map.get(label, label) for label in told))
 
 
 def read_model(path: str | Path) -> Model:
@@ -129,7 +146,10 @@ class OnnxClassifier:
         scores = self._scores(self._prepared(found))
         if not np.all(np.isfinite(scores)):
             return Failed("the model gives numbers that are not finite")
-        return Posterior(self._named(scores), self.model.training_prior, self.model.temperature)
+        shares = _shares(scores)
+        if self.model.labels[int(np.argmax(shares))] == self.model.nothing:
+            return Failed("the image shows nothing that the model knows")
+        return Posterior(self._named(shares), self.model.training_prior, self.model.temperature)
 
     def _prepared(self, image: NDArray[np.uint8]) -> NDArray[np.float32]:
         from PIL import Image
@@ -143,15 +163,21 @@ class OnnxClassifier:
         (found, *_) = self._session.run(None, {self._input.name: batch})
         return np.asarray(found, dtype=np.float64).ravel()
 
-    def _named(self, scores: NDArray[np.float64]) -> dict[str, float]:
-        if np.any(scores < 0) or abs(scores.sum() - 1) > SUM_TOLERANCE:
-            # no probabilities: logits
-            scores = np.exp(scores - scores.max())
+    def _named(self, shares: NDArray[np.float64]) -> dict[str, float]:
         probabilities: dict[str, float] = {}
-        for label, score in zip(self.model.labels, scores / scores.sum(), strict=True):
-            known = self.model.label_map.get(label, label)
-            probabilities[known] = probabilities.get(known, 0.0) + float(score)
-        return probabilities
+        for label, share in zip(self.model.labels, shares, strict=True):
+            if label != self.model.nothing:
+                known = self.model.label_map.get(label, label)
+                probabilities[known] = probabilities.get(known, 0.0) + float(share)
+        total = sum(probabilities.values())
+        return {label: share / total for label, share in probabilities.items()}
+
+
+def _shares(scores: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Probabilities, which sum to one, from probabilities or logits."""
+    if np.any(scores < 0) or abs(scores.sum() - 1) > SUM_TOLERANCE:
+        scores = np.exp(scores - scores.max())
+    return np.asarray(scores / scores.sum())
 
 
 def _session(path: Path) -> InferenceSession:

@@ -28,7 +28,7 @@ from palpate.robots.mujoco.objects import BenchObject, Look, Part
 from palpate.robots.mujoco.shapes import Mesh, lathe, tube
 from palpate.robots.mujoco.textures import PATTERNS, add_texture
 
-__all__ = ["RACK_MM", "add_object"]
+__all__ = ["RACK_MM", "add_object", "add_rack", "add_shape"]
 
 CORE_BIT = 2
 PLATE_KG = 2e-4
@@ -54,10 +54,15 @@ def add_object(spec: mujoco.MjSpec, thing: BenchObject) -> None:
     outline.solref, outline.solimp = [0.006, 1.0], [0.95, 0.99, 0.001, 0.5, 2]
     for name, side in (("near", -1.0), ("far", 1.0)):
         _add_plate(core, thing, name, side)
-    for place, part in enumerate(thing.parts):
-        _add_part(spec, core, f"{thing.name}_{place}", part, -height / 2)
+    add_shape(spec, core, thing.name, thing.parts, -height / 2)
     if thing.rack:
-        _add_rack(spec.worldbody, thing)
+        add_rack(spec.worldbody, thing.size_mm[:2], PLACE_M)
+
+
+def add_shape(spec: mujoco.MjSpec, body: mujoco.MjsBody, name: str, parts: Sequence[Part], bottom_m: float) -> None:
+    """Add what is seen of a thing to a body, whose middle is so far above the thing's bottom, with a minus."""
+    for place, part in enumerate(parts):
+        _add_part(spec, body, f"{name}_{place}", part, bottom_m)
 
 
 def _add_plate(core: mujoco.MjsBody, thing: BenchObject, name: str, side: float) -> None:
@@ -151,12 +156,12 @@ def _add_look(spec: mujoco.MjSpec, name: str, look: Look) -> str:
     return name
 
 
-def _add_rack(world: mujoco.MjsBody, thing: BenchObject) -> None:
-    """Two ledges beside what would fall over, with a little room."""
-    length, width, _ = (size / 1e3 for size in thing.size_mm)
+def add_rack(body: mujoco.MjsBody, size_mm: tuple[float, float], at_m: tuple[float, float]) -> None:
+    """Add two ledges beside what would fall over, of that length and width, with a little room."""
+    length, width = (size / 1e3 for size in size_mm)
     height = RACK_MM / 1e3
     for side in (-1.0, 1.0):
-        ledge = world.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, material="steel")
+        ledge = body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, material="steel")
         ledge.size = [0.42 * length, RACK_HALF_M, height / 2]
-        ledge.pos = [PLACE_M[0], PLACE_M[1] + side * (width / 2 + RACK_ROOM_M + RACK_HALF_M), height / 2]
+        ledge.pos = [at_m[0], at_m[1] + side * (width / 2 + RACK_ROOM_M + RACK_HALF_M), height / 2]
         ledge.contype, ledge.conaffinity = TABLE_BIT, TABLE_BIT

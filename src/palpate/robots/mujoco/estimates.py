@@ -2,24 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from palpate.estimators.classifier import Classifier
+from palpate.estimators.mel import mel_picture
 from palpate.estimators.signals import SignalError
-from palpate.estimators.sound import features, impact
+from palpate.estimators.sound import check_decay, features, impact
 from palpate.estimators.squeezing import Jaws, squeeze
-from palpate.estimators.vision import OnnxClassifier
+from palpate.estimators.vision import OnnxClassifier, read_model
 from palpate.estimators.weighing import Hold, weigh
 from palpate.network.model import Network
+from palpate.network.properties import CategoricalProperty
 from palpate.outcomes import Failed, Outcome
 from palpate.robots.mujoco import knocking, looking, squeezing, weighing
+from palpate.robots.mujoco.errors import BenchError
 from palpate.robots.mujoco.gripper import POSITION_STEP_MM
 from palpate.robots.mujoco.reading import SHIPPED, read_roles
 from palpate.robots.mujoco.repertoire import repertoire
 from palpate.robots.signals import ImageSignals, SoundSignals, SqueezeSignals, WeighSignals
 
-__all__ = ["Ears", "Eyes", "Hand", "estimates"]
+__all__ = ["PICTURES", "SOUNDS", "Ears", "Eyes", "Hand", "MelEars", "estimates"]
+
+_DATA = Path(__file__).parents[2] / "data" / "bench"
+SOUNDS = _DATA / "sounds.json"
+"""The classifier of knocks that ships."""
+PICTURES = (_DATA / "category.toml", _DATA / "material.toml")
+"""What is said of the models of images that ship."""
 
 
 @dataclass(frozen=True)
@@ -76,12 +86,38 @@ class Ears:
 
     classifier: Classifier
 
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What it may be."""
+        return self.classifier.labels
+
     def label(self, signals: SoundSignals) -> Outcome:
         """Probabilities of what rang."""
         try:
             return self.classifier.outcome(features(impact(signals.samples, signals.rate_hz)))
         except SignalError as error:
             return Failed(str(error))
+
+
+@dataclass(frozen=True)
+class MelEars:
+    """How a knock is told from a picture of its sound: a model of what `mel_picture` draws."""
+
+    model: OnnxClassifier
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What it may be."""
+        return self.model.model.tells
+
+    def label(self, signals: SoundSignals) -> Outcome:
+        """Probabilities of what rang."""
+        try:
+            knock = impact(signals.samples, signals.rate_hz)
+            check_decay(knock)
+        except SignalError as error:
+            return Failed(str(error))
+        return self.model.outcome(mel_picture(knock.samples, knock.rate_hz))
 
 
 @dataclass(frozen=True)
@@ -97,7 +133,7 @@ class Eyes:
 
 
 def estimates(
-    network: Network, *, hand: Hand | None = None, ears: Ears | None = None, eyes: Eyes | None = None
+    network: Network, *, hand: Hand | None = None, ears: Ears | MelEars | None = None, eyes: Eyes | None = None
 ) -> dict[str, Callable[..., Outcome]]:
     """What makes outcomes of the signals of each action that the bench can do for a network.
 
@@ -106,23 +142,56 @@ def estimates(
     hand
         For weighing and squeezing; with the figures of `Hand` unless given.
     ears, eyes
-        For sounds and images; actions that need what is not given are left out.
+        For sounds and images; with the models that ship unless given, for actions whose property has all of their
+        labels as states. Other actions that need them are left out.
+
+    Raises
+    ------
+    BenchError
+        What was given for an action has no label that is a state of what the action measures.
+    PalpateError
+        Models of images need onnxruntime, which is not installed.
 
     Examples
     --------
     >>> from palpate.network.reading import load_network
     >>> sorted(estimates(load_network("household")))
-    ['squeezing', 'weighing']
+    ['cat-vision', 'mat-sound', 'mat-vision', 'squeezing', 'weighing']
     """
-    hand, eyes = hand or Hand(), eyes or Eyes()
+    hand = hand or Hand()
     found: dict[str, Callable[..., Outcome]] = {}
     for action, deed in repertoire(network, read_roles(SHIPPED)).items():
         if deed is weighing.weigh:
             found[action] = hand.mass
         elif deed is squeezing.squeeze:
             found[action] = hand.elasticity
-        elif deed is knocking.knock and ears is not None:
-            found[action] = ears.label
-        elif deed is looking.look and action in eyes.models:
-            found[action] = eyes.of(action)
+        elif deed is knocking.knock:
+            listener = ears or Ears(Classifier.load(SOUNDS))
+            if _knows(network, action, listener.labels, given=ears is not None):
+                found[action] = listener.label
+        elif deed is looking.look:
+            looker = eyes or _shipped_eyes(network, action)
+            if action in looker.models and _knows(network, action, looker.models[action].model.tells, given=True):
+                found[action] = looker.of(action)
     return found
+
+
+def _shipped_eyes(network: Network, action: str) -> Eyes:
+    """The first model that ships all of whose labels are states of what an action measures, if there is one."""
+    for path in PICTURES:
+        model = read_model(path)
+        if _knows(network, action, model.tells, given=False):
+            return Eyes({action: OnnxClassifier(model)})
+    return Eyes()
+
+
+def _knows(network: Network, action: str, labels: Sequence[str], *, given: bool) -> bool:
+    """Whether labels are states of what an action measures: all of them, or, where they were given, some."""
+    measured = network.properties[network.actions[action].sensor.property]
+    states = measured.states if isinstance(measured, CategoricalProperty) else ()
+    if given and not set(labels) & set(states):
+        raise BenchError(
+            f"action {action!r}: labels {', '.join(labels)} were found, expected states of {measured.name!r}: "
+            f"{', '.join(states)}"
+        )
+    return given or set(labels) <= set(states)

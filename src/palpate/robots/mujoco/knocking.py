@@ -4,24 +4,18 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from palpate.robots.mujoco.bench import CLEARANCE_M, Bench
 from palpate.robots.mujoco.furniture import PLACE_M
 from palpate.robots.mujoco.gripper import PAD_TO_TIP_M
+from palpate.robots.mujoco.hearing import BEFORE_S, DURATION_S, RATE_HZ, heard
 from palpate.robots.mujoco.motion import reach
 from palpate.robots.mujoco.scene import STEP_S, Scene
-from palpate.robots.mujoco.sound import Knock, modes, ring
+from palpate.robots.mujoco.sound import Knock
 from palpate.robots.signals import SoundSignals
 
-__all__ = ["DURATION_S", "RATE_HZ", "knock"]
+__all__ = ["BEFORE_S", "DURATION_S", "RATE_HZ", "knock"]
 
-RATE_HZ = 44100.0
-DURATION_S, BEFORE_S = 1.0, 0.1
-SUPPORT_PER_S = 12.0
-"""Damping by the table: assumed."""
-LEVEL = 0.5
-"""Peak of what is recorded, of 1."""
 TAP_S, DEPTH_M = 0.25, 0.012
 UP = np.array([0.0, 0.0, 1.0])
 TOUCH_STEPS = 10
@@ -33,21 +27,9 @@ def knock(bench: Bench) -> SoundSignals:
     bench.reset()
     impulse = _tap(bench)
     struck = Knock(impulse, *bench.rng.uniform(0.15, 0.45, 2))
-    thing, noise = bench.thing, bench.noise
-    table = modes(thing.substance, thing.size_mm, thing.wall_mm, SUPPORT_PER_S)
-    # no object is the plate that stands for it
-    table[:, :2] *= np.exp(noise.sound_spread * bench.rng.standard_normal((len(table), 2)))
-    sound = ring(table, thing.substance.contact_s, struck, RATE_HZ, DURATION_S - BEFORE_S)
-    return SoundSignals(_recorded(bench, sound), RATE_HZ, impulse)
-
-
-def _recorded(bench: Bench, sound: NDArray[np.float64]) -> NDArray[np.float64]:
-    """As a microphone with automatic gain and 16 bits has it, with its noise, and silence before."""
-    samples = np.concatenate([np.zeros(round(BEFORE_S * RATE_HZ)), sound])
-    peak = float(np.abs(samples).max())
-    loud = LEVEL * samples / peak if peak > 0 else samples
-    noisy = loud + LEVEL * bench.noise.sound_floor * bench.rng.standard_normal(len(samples))
-    return np.asarray(np.round(np.clip(noisy, -1, 1) * 32767) / 32767)
+    thing = bench.thing
+    sound = heard(thing.substance, thing.size_mm, thing.wall_mm, struck, bench.noise, bench.rng)
+    return SoundSignals(sound, RATE_HZ, impulse)
 
 
 def _tap(bench: Bench) -> float:

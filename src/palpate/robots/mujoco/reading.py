@@ -16,7 +16,7 @@ from palpate.robots.mujoco.errors import BenchError
 from palpate.robots.mujoco.objects import BenchObject, Look, Part
 from palpate.robots.mujoco.sound import Substance
 
-__all__ = ["FORMAT", "SHIPPED", "bench_object", "read_roles"]
+__all__ = ["FORMAT", "SHIPPED", "bench_object", "read_roles", "read_substances"]
 
 FORMAT = "palpate-bench/1"
 SHIPPED = Path(__file__).parents[2] / "data" / "bench" / "objects.toml"
@@ -82,6 +82,17 @@ def read_roles(path: str | Path = SHIPPED) -> dict[str, str]:
     return _Document(Path(path)).roles()
 
 
+def read_substances(path: str | Path = SHIPPED) -> dict[str, Substance]:
+    """What a file says of the sound of each state of the property that the bench takes for the substance.
+
+    Examples
+    --------
+    >>> read_substances()["glass"].density_kgm3
+    2600.0
+    """
+    return _Document(Path(path)).substances()
+
+
 class _Document:
     """The file, with errors that say where."""
 
@@ -110,6 +121,9 @@ class _Document:
             hint = near(state, substances)
             raise BenchError(f"{self.where}: no substance {state!r} was found{hint}: {choices(substances)}")
         return _make(Substance, f"{self.where}: substance {state!r}", substances[state])
+
+    def substances(self) -> dict[str, Substance]:
+        return {state: self.substance(state) for state in self._table("substances")}
 
     def part(self, name: str, part: Mapping[str, Any]) -> Part:
         looks, where = self._table("looks"), f"{self.where}: a part of object {name!r}"

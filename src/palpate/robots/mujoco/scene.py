@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -45,11 +47,16 @@ class Scene:
     ----------
     thing
         What stands on the table; None leaves it empty.
+    add
+        Adds more to the specification before it is compiled.
     """
 
-    def __init__(self, thing: BenchObject | None) -> None:
+    def __init__(self, thing: BenchObject | None, add: Callable[[mujoco.MjSpec], None] | None = None) -> None:
         self.thing = thing
-        self.model = build(thing).compile()
+        spec = build(thing)
+        if add is not None:
+            add(spec)
+        self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
         self.home_rad: Vector = np.array(HOME_RAD)
         self.reset()
