@@ -10,6 +10,7 @@ from uuid import UUID
 from sqlalchemy import Connection, inspect, select, text
 
 from palpate.store import schema
+from palpate.store.blobs import Blobs
 from palpate.store.errors import DamagedError
 from palpate.store.faults import Fault, Remedy
 from palpate.store.legible import reading
@@ -73,10 +74,20 @@ def _mend(store: Store, fault: Fault, needed: set[str]) -> bool:
     elif fault.remedy is Remedy.REINDEX:
         mend_recording(store, UUID(name))
     elif fault.remedy is Remedy.SET_ASIDE:
-        store.blobs.set_aside(name)
+        return _set_aside(store.blobs, name)
     elif fault.remedy is Remedy.REMOVE:
         return name not in needed and store.blobs.remove(name, time.time() - YOUNG_S)
     return fault.remedy is not None
+
+
+def _set_aside(blobs: Blobs, digest: str) -> bool:
+    """Set a blob aside, unless somebody has put the right one in its place meanwhile."""
+    try:
+        blobs.get(digest)
+    except DamagedError:
+        blobs.set_aside(digest)
+        return True
+    return False
 
 
 def _part(store: Store, name: str, look: Callable[[Connection], Iterator[Fault]]) -> Iterator[Fault]:
