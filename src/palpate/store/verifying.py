@@ -16,7 +16,7 @@ from palpate.store.faults import Fault, Remedy
 from palpate.store.legible import reading
 from palpate.store.seals import checked_document
 from palpate.store.store import Store
-from palpate.store.verifying_blobs import blob_faults, named_blobs, rows_with, stray_faults
+from palpate.store.verifying_blobs import blob_faults, named_blobs, stray_faults
 from palpate.store.verifying_episodes import episode_faults, known_faults, mend_episode
 from palpate.store.verifying_recordings import mend_recording, recording_faults
 
@@ -32,13 +32,11 @@ def verify(store: Store) -> Iterator[Fault]:
     What cannot be looked at is a fault too, and does not hold up the rest. A recording whose blob is lost is named with
     the blob, and once it is back another look may find more.
     """
-    lost = set[str]()
+    lacking = set[int]()
     yield from _part(store, "the database", _database_faults)
     yield from _part(store, "setups, devices and layouts", _shared_faults)
-    yield from _part(store, "blobs", lambda connection: blob_faults(connection, store.blobs, lost))
-    yield from _part(
-        store, "recordings", lambda connection: recording_faults(connection, store, rows_with(connection, lost))
-    )
+    yield from _part(store, "blobs", lambda connection: blob_faults(connection, store.blobs, lacking))
+    yield from _part(store, "recordings", lambda connection: recording_faults(connection, store, lacking))
     yield from _part(store, "episodes", episode_faults)
     yield from _part(store, "what is known of objects", known_faults)
     yield from _part(
