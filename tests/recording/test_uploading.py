@@ -234,6 +234,15 @@ def test_one_recording_that_fails_is_tried_less_and_less_often(spool: Spool) -> 
     assert stub.calls == 3
 
 
+def test_a_server_may_be_away_for_days(spool: Spool) -> None:
+    """However often it did not answer, the wait is the longest one, and what waits is sent once it does."""
+    patient = BackOff()
+    assert all(150.0 <= patient.wait_s(failures) <= 300.0 for failures in (12, 1025, 10**6))
+    stub, steep = Stub(*[UnreachableError("away")] * 5), BackOff(factor=1e200, longest_s=0.01)
+    with uploading(spool, stub, back_off=steep, every_s=0.01) as uploader:
+        wait_for(lambda: not spool.waiting() and uploader.error is None)
+
+
 def test_a_spool_that_cannot_be_listed_does_not_end_the_thread(spool: Spool, monkeypatch: pytest.MonkeyPatch) -> None:
     """The thread goes on after any error of a whole pass."""
     listed, broken = spool.waiting, [ValueError("a bug"), OSError("unplugged")]

@@ -1,3 +1,4 @@
+import errno
 import os
 import time
 from hashlib import sha256
@@ -131,3 +132,49 @@ def test_a_file_that_is_gone_is_named(tmp_path: Path) -> None:
     with pytest.raises(StoreError, match=r"cam0.png: No such file or directory, expected a file that can be read"):
         blobs.put(DIGEST, tmp_path / "cam0.png")
     assert [path for path in blobs.folder.rglob("*") if path.is_file()] == []
+
+
+@pytest.mark.parametrize(
+    ("number", "expected", "message"),
+    [
+        (errno.EIO, DamagedError, r"blob .*: cannot be read in .* \(Input/output error\), expected what was written"),
+        (errno.EACCES, UnavailableError, r"blob .*: cannot be read in .* \(Permission denied\), expected a folder"),
+    ],
+)
+def test_a_disk_that_fails_is_told_in_one_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int, expected: type[StoreError], message: str
+) -> None:
+    """A spoilt file is a damaged blob, which verification names; one that may not be read is not."""
+    blobs = FolderBlobs(tmp_path)
+    blobs.put(DIGEST, DATA)
+
+    def fail(path: Path) -> bytes:
+        raise OSError(number, os.strerror(number), str(path))
+
+    monkeypatch.setattr(Path, "read_bytes", fail)
+    with pytest.raises(expected, match=message) as found:
+        blobs.get(DIGEST)
+    assert type(found.value) is expected
+
+
+def test_a_folder_in_place_of_a_blob_is_damage(tmp_path: Path) -> None:
+    """It is told as any other, and can be set aside."""
+    blobs = FolderBlobs(tmp_path)
+    (tmp_path / DIGEST[:2] / DIGEST[2:]).mkdir(parents=True)
+    with pytest.raises(DamagedError, match=f"blob {DIGEST}: cannot be read"):
+        blobs.get(DIGEST)
+    blobs.set_aside(DIGEST)
+    blobs.put(DIGEST, DATA)
+    assert blobs.get(DIGEST) == DATA
+
+
+def test_a_blob_that_goes_while_all_are_listed_is_left_out(tmp_path: Path) -> None:
+    """Somebody may remove blobs at the same time."""
+    blobs, others = FolderBlobs(tmp_path), [f"{digit}{DIGEST[1:]}" for digit in "012"]
+    for digest in others:
+        (tmp_path / digest[:2]).mkdir()
+        (tmp_path / digest[:2] / digest[2:]).write_bytes(DATA)
+    listed = blobs.all()
+    first, _ = next(listed)
+    blobs.remove(others[1])
+    assert [first, *(digest for digest, _ in listed)] == [others[0], others[2]]

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pyarrow.parquet import read_table
+from sqlalchemy import event
 
 from palpate.store.archive import Archive, export_archive
 from palpate.store.curves import curves_of_gripper
@@ -125,3 +126,35 @@ def test_a_lost_picture_of_an_object_stops_no_archive_that_may_leave_it_out(loca
         outcomes = list(import_paths(second, [tmp_path / "archive"], all_formats()))
         assert [outcome.fate for outcome in outcomes] == [Fate.NEW]
         assert find_thing(second, "object0").images == (other,)
+
+
+def test_all_blobs_lost_are_looked_up_at_once(local: Store) -> None:
+    """What needs a blob is found by going through all references, which is done as often for one as for many."""
+    for number in range(1, 31):
+        local.put(squeeze(number, files=(FileItem("cam0.png", "image/png", b"%d" % number),)))
+    asked: list[str] = []
+
+    @event.listens_for(local.engine, "before_cursor_execute")
+    def note(connection: object, cursor: object, statement: str, *more: object) -> None:
+        asked.append(statement)
+
+    counts = []
+    for lost in (1, 30):
+        for digest, _ in list(local.blobs.all())[:lost]:
+            local.blobs.remove(digest)
+        asked.clear()
+        assert sum("is missing in" in fault.what for fault in verify(local)) == lost
+        counts.append(sum("files.blob" in statement for statement in asked))
+    assert counts[0] == counts[1]
+
+
+def test_of_many_that_need_a_blob_three_are_named(local: Store) -> None:
+    """The recordings that came first are named, and the others are counted with the objects."""
+    made = [squeeze(number, files=(FileItem("cam0.png", "image/png", PICTURE),)) for number in range(5)]
+    local.put_many(made)
+    image = keep_image(local, "front", "image/png", PICTURE)
+    change_thing(local, made[0].thing, lambda thing: thing.showing(image))
+    local.blobs.remove(image.sha256)
+    (fault,) = verify(local)
+    names = ", ".join(f"recording {one.id}" for one in made[:3])
+    assert fault.what.endswith(f"; needed by {names} and 3 more")

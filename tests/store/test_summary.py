@@ -7,6 +7,7 @@ from palpate.store.overview import contents
 from palpate.store.records import Device, Setup
 from palpate.store.store import Store
 from palpate.store.summary import cells_to_arrow, objects_by_properties
+from palpate.store.verifying import verify
 from tests.store.made_up import squeeze
 
 OTHER = Setup(gripper=Device("gripper", "soft_hand"))
@@ -27,6 +28,15 @@ def test_the_table_summarises_values(store: Store) -> None:
     assert cell.mean == pytest.approx(values.mean())
     assert cell.sd == pytest.approx(values.std(ddof=1))
     assert cell.between_devices_sd == pytest.approx(values.mean(axis=1).std(ddof=1))
+
+
+@pytest.mark.parametrize("kind", [np.float16, np.float32, np.float64, np.int64, np.uint8])
+def test_numbers_of_numpy_count_as_any(store: Store, kind: type) -> None:
+    """They are kept as plain numbers, also where they are scaled to SI units."""
+    store.put(squeeze(entries=(Value("mass", kind(118), kind(2), unit="g"),)))
+    (cell,) = objects_by_properties(store)
+    assert (cell.mean, cell.unit) == (pytest.approx(118.0), "g")
+    assert list(verify(store)) == []
 
 
 def test_a_single_value_has_no_spread(local: Store) -> None:

@@ -24,6 +24,8 @@ from palpate.store.opening import open_store
 from palpate.store.records import Recording, ThingRef
 from palpate.store.store import Store
 from palpate.store.summary import objects_by_properties
+from palpate.store.things import find_thing
+from palpate.store.undoing import undo
 from palpate.store.units import PropertyUnit, admit_units, change_unit, list_units, units_of
 from palpate.store.verifying import repair, verify
 from tests.store.made_up import squeeze
@@ -131,6 +133,19 @@ def test_what_is_known_of_objects_is_told_anew_first(spoilt: Store) -> None:
         change_unit(spoilt, "fluff", "kPa", wrong=True)
     change_thing(spoilt, MUG, lambda thing: thing.without("fluff"))
     change_unit(spoilt, "fluff", "kPa", wrong=True)
+
+
+def test_an_undo_brings_no_unit_back_that_was_taken_back(spoilt: Store) -> None:
+    """What was known in it, and forgotten so that it could be taken back, is to be told anew."""
+    change_thing(spoilt, MUG, lambda thing: thing.knowing(Value("fluff", 1.0, unit="g"), "a person"))
+    change_thing(spoilt, MUG, lambda thing: thing.without("fluff"))
+    change_unit(spoilt, "fluff", "kPa", wrong=True)
+    with pytest.raises(StoreError, match=r"made_up mug: known fluff.unit: unit 'g' is mass; .*: tell it anew"):
+        undo(spoilt, MUG)
+    assert find_thing(spoilt, "mug").known == ()
+    change_unit(spoilt, "fluff", "kg", wrong=True)
+    undo(spoilt, MUG)
+    assert len(find_thing(spoilt, "mug").known) == 1
 
 
 def test_rows_are_mended_as_they_count(spoilt: Store) -> None:

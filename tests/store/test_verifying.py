@@ -4,11 +4,12 @@ from hashlib import sha256
 from pathlib import Path
 
 import pytest
+from sqlalchemy import event
 
 from palpate.store import verifying
 from palpate.store.blobs import FolderBlobs
 from palpate.store.describing import change_thing, keep_image
-from palpate.store.errors import DamagedError
+from palpate.store.errors import DamagedError, UnavailableError
 from palpate.store.faults import Fault, Remedy
 from palpate.store.records import FileItem, Recording
 from palpate.store.store import Store
@@ -176,6 +177,26 @@ def test_a_blob_that_a_put_relies_on_is_not_removed(
     monkeypatch.setattr(verifying, "verify", meanwhile)
     assert [fault.done for fault in repair(local)] == [False]
     assert path.read_bytes() == DATA
+
+
+def test_a_blob_that_was_put_right_meanwhile_is_not_set_aside(local: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Verifying takes its time: what somebody has mended by then stays where it is needed."""
+    local.put(made := squeeze(files=(PICTURE,)))
+    blob_path(local).write_bytes(b"pictuse")
+    found = list(verify(local))
+    local.blobs.set_aside(PICTURE.sha256)
+    local.put(made)
+    monkeypatch.setattr(verifying, "verify", lambda store: found)
+    assert [fault.done for fault in repair(local)] == [False]
+    assert local.get(made.id) == made
+
+
+def test_rows_that_cannot_be_written_are_told_in_one_sentence(local: Store, recording: Recording) -> None:
+    """Where the database takes no changes, it is told so and nothing is changed."""
+    change(local, f"UPDATE recordings SET action = 'other' WHERE uuid = x'{recording.id.hex}'")
+    event.listen(local.engine, "begin", lambda connection: connection.exec_driver_sql("PRAGMA query_only = ON"))
+    with pytest.raises(UnavailableError, match=r"store .*: attempt to write a readonly database; nothing was changed"):
+        repair(local)
 
 
 def test_what_is_referred_to_by_now_is_not_removed(local: Store, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -36,12 +36,19 @@ class BackOff:
 
     def longest_waits(self, count: int) -> list[float]:
         """The first waits, not shortened [s]."""
-        return [min(self.first_s * self.factor**attempt, self.longest_s) for attempt in range(count)]
+        return [self._longest_wait_s(failures) for failures in range(1, count + 1)]
 
     def wait_s(self, failures: int) -> float:
         """How long to wait after so many failures."""
         # among many robots that lost one server at once, chance keeps them from coming back at once
-        return self.longest_waits(failures)[-1] * random.uniform(0.5, 1.0)
+        return self._longest_wait_s(failures) * random.uniform(0.5, 1.0)
+
+    def _longest_wait_s(self, failures: int) -> float:
+        try:
+            return min(self.first_s * self.factor ** (failures - 1), self.longest_s)
+        except OverflowError:
+            # after days without a server the power is beyond every number
+            return self.longest_s
 
 
 @dataclass(frozen=True)

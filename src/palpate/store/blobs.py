@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import os
 import re
@@ -21,6 +22,8 @@ __all__ = ["Blobs", "FolderBlobs", "is_digest"]
 DRAFT = ".draft-"
 DAMAGED = ".damaged"
 LEAVING = ".leaving"
+SPOILT = (errno.EIO, errno.EISDIR, errno.ENOTDIR)
+"""What is said of a file on a bad disk, and of one in whose place is something else."""
 DIGEST = re.compile("[0-9a-f]{64}")
 
 
@@ -115,14 +118,21 @@ class FolderBlobs:
             data = self._path(digest).read_bytes()
         except FileNotFoundError:
             raise DamagedError(f"blob {digest}: is missing in {self.folder}") from None
+        except OSError as error:
+            told = f"blob {digest}: cannot be read in {self.folder} ({error.strerror})"
+            if error.errno in SPOILT:
+                raise DamagedError(f"{told}, expected what was written") from None
+            raise UnavailableError(f"{told}, expected a folder that can be read") from None
         return verified(digest, data, str(self.folder))
 
     def all(self) -> Iterator[tuple[str, float]]:
         """Each digest with the time it was written [s since 1970]; files with other names are not ours."""
         for path in sorted(self.folder.glob("??/*")):
             digest = path.parent.name + path.name
-            if is_digest(digest):
-                yield digest, path.stat().st_mtime
+            # somebody may remove one while they are gone through
+            with suppress(FileNotFoundError):
+                if is_digest(digest):
+                    yield digest, path.stat().st_mtime
 
     def remove(self, digest: str, written_before: float = math.inf) -> bool:
         """Remove what nothing refers to, if it is old enough.

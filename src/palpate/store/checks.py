@@ -25,7 +25,13 @@ NEEDED = ("value", "low", "high")
 OPTIONAL = ("sd", "above", "below")
 
 
-def check(recording: Recording, *, units: Mapping[str, str | None] | None = None, now: datetime | None = None) -> None:
+def check(
+    recording: Recording,
+    *,
+    units: Mapping[str, str | None] | None = None,
+    now: datetime | None = None,
+    is_new: bool = True,
+) -> None:
     """Refuse a recording that cannot be kept.
 
     Parameters
@@ -36,6 +42,9 @@ def check(recording: Recording, *, units: Mapping[str, str | None] | None = None
         For each property whose dimension is known, a unit of that dimension.
     now
         The present, to which a recording may be ahead by a minute, as clocks differ.
+    is_new
+        Whether no store has had it. What one has kept may be older than the dimension of a quantity that everybody
+        knows by now (see `palpate.store.quantities`), and is not held to it.
 
     Raises
     ------
@@ -64,10 +73,10 @@ def check(recording: Recording, *, units: Mapping[str, str | None] | None = None
     check_json("grasp", recording.grasp)
     _check_pose("gripper_pose", recording.gripper_pose)
     _check_pose("object_pose", recording.object_pose)
-    check_series(recording.series)
+    check_series(recording.series, are_new=is_new)
     _check_files(recording.files)
     for place, entry in enumerate(recording.entries):
-        check_entry(f"entries[{place}]", entry, units or {})
+        check_entry(f"entries[{place}]", entry, units or {}, is_new=is_new)
     check_encoding("log", recording.log)
     for place, notice in enumerate(recording.notices):
         check_text(f"notices[{place}]", notice)
@@ -148,8 +157,8 @@ def _check_files(files: Sequence[FileItem]) -> None:
             raise StoreError(f"files[{place}].data: there is no file {str(item.data)!r}, expected one that can be read")
 
 
-def check_entry(where: str, entry: Entry, units: Mapping[str, str | None]) -> None:
-    """Refuse a result that cannot be kept; `units` as for `check`."""
+def check_entry(where: str, entry: Entry, units: Mapping[str, str | None], *, is_new: bool = True) -> None:
+    """Refuse a result that cannot be kept; `units` and `is_new` as for `check`."""
     if isinstance(entry, FailedEntry):
         check_name(f"{where}.reason", entry.reason)
         check_text(f"{where}.property", entry.property)
@@ -163,7 +172,8 @@ def check_entry(where: str, entry: Entry, units: Mapping[str, str | None]) -> No
             check_number(f"{where}.{name}", value)
     _check_order(where, entry)
     check_unit(f"{where}.unit", entry.unit, units.get(entry.property))
-    check_quantity(f"{where}.unit", entry.unit, entry.property)
+    if is_new:
+        check_quantity(f"{where}.unit", entry.unit, entry.property)
 
 
 def _check_order(where: str, entry: Value | Interval | Bound) -> None:

@@ -52,7 +52,9 @@ def add_thing(store: Store, thing: ThingRef, *, who: str | None = None) -> bool:
         return True
 
 
-def change_thing(store: Store, thing: ThingRef, edit: Callable[[Thing], Thing], *, who: str | None = None) -> Thing:
+def change_thing(
+    store: Store, thing: ThingRef, edit: Callable[[Thing], Thing], *, who: str | None = None, is_new: bool = True
+) -> Thing:
     """Change the description of an object, what is known of it, or its images.
 
     No recording is changed. `palpate.store.undoing.undo` takes the change back.
@@ -67,6 +69,8 @@ def change_thing(store: Store, thing: ThingRef, edit: Callable[[Thing], Thing], 
         Gives the object as it shall be; see `Thing.described`, `Thing.knowing`, `Thing.without`, `Thing.showing`.
     who
         Who decided it, for the audit.
+    is_new
+        Whether no store has had what is said, see `palpate.store.checks.check`.
 
     Returns
     -------
@@ -88,10 +92,10 @@ def change_thing(store: Store, thing: ThingRef, edit: Callable[[Thing], Thing], 
         row = row_of(connection, "thing", thing)
         (before,) = things_where(connection, is_thing(thing))
         after = edit(before)
-        _check(before, after)
+        _check(before, after, is_new=is_new)
         detail = list(_differences(fields_of(before), fields_of(after)))
         if detail:
-            _admit(connection, after)
+            admit_known(connection, after)
             write(connection, row["id"], after)
             note(connection, row["id"], CHANGED, detail, who)
         return after
@@ -157,19 +161,20 @@ def _known_row(known: Known) -> dict[str, Any]:
     return {"property": known.entry.property, "source": known.source, "label": label, "document": document}
 
 
-def _check(before: Thing, after: Thing) -> None:
+def _check(before: Thing, after: Thing, *, is_new: bool) -> None:
     if (before.ref.dataset, before.ref.id) != (after.ref.dataset, after.ref.id):
         raise StoreError(f"thing: {before.path} became {after.path}, expected dataset and name to stay: merge objects")
     check_thing(after.ref)
-    for one in after.known:
+    # what was known before may be older than a dimension that everybody knows by now
+    for one in (one for one in after.known if one not in before.known):
         where = f"known {one.entry.property}"
         if isinstance(one.entry, FailedEntry):
             raise StoreError(f"{where}: a failed measurement tells nothing, expected a value or a distribution")
-        check_entry(where, one.entry, {})
+        check_entry(where, one.entry, {}, is_new=is_new)
         check_name(f"{where}.source", one.source)
 
 
-def _admit(connection: Connection, thing: Thing) -> None:
+def admit_known(connection: Connection, thing: Thing) -> None:
     """Refuse units of another dimension than those of the store's properties."""
     lookup = Lookup(connection, Registry())
     for one in thing.known:

@@ -147,9 +147,11 @@ def _own_columns(entry: Entry) -> Row:
     if isinstance(entry, Value):
         sd = None if entry.sd is None else float(entry.sd)
         scale = None if entry.unit is None else unit_of(entry.unit).factor
-        own: Row = {"kind": "value", "value": float(entry.value), "sd": sd, "unit": entry.unit}
+        # a number of NumPy stays one when it is scaled, and SQLite takes one of 32 bits for bytes
+        value = float(entry.value)
+        own: Row = {"kind": "value", "value": value, "sd": sd, "unit": entry.unit}
         if scale is not None:
-            own |= {"value_si": entry.value * scale, "sd_si": None if sd is None else sd * scale}
+            own |= {"value_si": value * scale, "sd_si": None if sd is None else sd * scale}
         return own
     if isinstance(entry, Distribution):
         return {"kind": "distribution", "label": most_probable(entry.probabilities)}

@@ -17,8 +17,15 @@ __all__ = ["check_series"]
 NUMBERS = "biuf"
 
 
-def check_series(series: Iterable[Series]) -> None:
+def check_series(series: Iterable[Series], *, are_new: bool = True) -> None:
     """Refuse channels that do not fit together.
+
+    Parameters
+    ----------
+    series
+        What was recorded.
+    are_new
+        Whether no store has had them: then their units have the dimensions that everybody knows.
 
     Raises
     ------
@@ -38,6 +45,8 @@ def check_series(series: Iterable[Series]) -> None:
             raise StoreError(f"{where}.channels: two of one name, expected names of their own")
         for channel in one.channels:
             _check_channel(f"{where}.{channel.name}", channel)
+            if are_new:
+                check_quantity(f"{where}.{channel.name}.unit", channel.unit, channel.quantity)
         _check_lengths(where, one)
 
 
@@ -58,7 +67,6 @@ def _check_channel(where: str, channel: Channel) -> None:
         _check_time(where, channel.time_s, len(values))
     if channel.unit is not None:
         check_name(f"{where}.unit", channel.unit)
-    check_quantity(f"{where}.unit", channel.unit, channel.quantity)
 
 
 def _check_time(where: str, time_s: np.ndarray[tuple[int, ...], np.dtype[np.float64]], samples: int) -> None:

@@ -77,7 +77,9 @@ class Store:
         """
         return self.put_many([recording])[0]
 
-    def put_many(self, recordings: Iterable[Recording], *, known_wrong: Collection[str] = ()) -> list[Receipt]:
+    def put_many(
+        self, recordings: Iterable[Recording], *, known_wrong: Collection[str] = (), kept_before: Collection[str] = ()
+    ) -> list[Receipt]:
         """Keep several recordings, all in one transaction or none.
 
         Parameters
@@ -87,6 +89,8 @@ class Store:
         known_wrong
             Digests of those whose results may be in a unit of another dimension than their property's: they are kept
             and do not count (see `palpate.store.units.change_unit`).
+        kept_before
+            Digests of those that a store has had, see `is_new` of `palpate.store.checks.check`.
 
         Raises
         ------
@@ -95,7 +99,7 @@ class Store:
         """
         batch = list(recordings)
         for recording in batch:
-            check(recording)
+            check(recording, is_new=not kept_before or recording.digest not in kept_before)
         prepared = [prepare(recording, self.blobs) for recording in batch]
         if known_wrong:
             prepared = [replace(one, is_known_wrong=one.recording.digest in known_wrong) for one in prepared]

@@ -162,7 +162,7 @@ def known_of(row: Row, thing: Row) -> Known:
         entry = entry_from(json.loads(row["document"]))
     try:
         # no digest covers it
-        check_entry("entry", entry, {})
+        check_entry("entry", entry, {}, is_new=False)
     except StoreError as error:
         raise DamagedError(f"{where}: {error}") from None
     return Known(entry, row["source"])

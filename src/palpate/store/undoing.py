@@ -10,7 +10,7 @@ from sqlalchemy import Connection
 from palpate.store.audit import MERGED, UNDOABLE, Change, change_of, last_of, row_of, take_back
 from palpate.store.content import to_json
 from palpate.store.database import MERGE_LOCK, changing, one_at_a_time
-from palpate.store.describing import fields_of, with_fields, write
+from palpate.store.describing import admit_known, fields_of, with_fields, write
 from palpate.store.errors import StoreError
 from palpate.store.merging import unmerge
 from palpate.store.records import ThingRef
@@ -34,7 +34,7 @@ def undo(store: Store, thing: ThingRef, *, who: str | None = None) -> Change:
     ------
     StoreError
         If it is not in the store, nothing is left to take back, or what was changed is no longer as it was left: a
-        recording has completed the description since.
+        recording has completed the description since, or what was known is in a unit that was taken back.
     """
     with changing(store.engine) as connection:
         one_at_a_time(connection, MERGE_LOCK)
@@ -61,4 +61,10 @@ def _restore(connection: Connection, row: int, thing: ThingRef, detail: list[dic
         fields.pop(field, None)
         if "before" in one:
             fields[field] = one["before"]
-    write(connection, row, with_fields(now, fields))
+    restored = with_fields(now, fields)
+    try:
+        # the unit of a property may have been taken back since
+        admit_known(connection, restored)
+    except StoreError as error:
+        raise StoreError(f"thing: {thing.dataset} {thing.id}: {error}: tell it anew") from None
+    write(connection, row, restored)

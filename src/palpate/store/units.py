@@ -72,12 +72,11 @@ def admit_units(store: Store, units: Mapping[str, str]) -> None:
     Raises
     ------
     StoreError
-        If one is unknown, or of another dimension than everybody knows the property to have.
+        If one is unknown.
     """
     for name, unit in units.items():
         check_name("units", name)
         check_unit(f"units[{name!r}]", unit, None)
-        check_quantity(f"units[{name!r}]", unit, name)
     rows = [{"name": name, "unit": unit} for name, unit in units.items()]
     if rows:
         with changing(store.engine) as connection:

@@ -10,12 +10,13 @@ from uuid import UUID
 from sqlalchemy import Connection, inspect, select, text
 
 from palpate.store import schema
+from palpate.store.blobs import Blobs
 from palpate.store.errors import DamagedError
 from palpate.store.faults import Fault, Remedy
 from palpate.store.legible import reading
 from palpate.store.seals import checked_document
 from palpate.store.store import Store
-from palpate.store.verifying_blobs import blob_faults, named_blobs, rows_with, stray_faults
+from palpate.store.verifying_blobs import blob_faults, named_blobs, stray_faults
 from palpate.store.verifying_episodes import episode_faults, known_faults, mend_episode
 from palpate.store.verifying_recordings import mend_recording, recording_faults
 
@@ -31,13 +32,11 @@ def verify(store: Store) -> Iterator[Fault]:
     What cannot be looked at is a fault too, and does not hold up the rest. A recording whose blob is lost is named with
     the blob, and once it is back another look may find more.
     """
-    lost = set[str]()
+    lacking = set[int]()
     yield from _part(store, "the database", _database_faults)
     yield from _part(store, "setups, devices and layouts", _shared_faults)
-    yield from _part(store, "blobs", lambda connection: blob_faults(connection, store.blobs, lost))
-    yield from _part(
-        store, "recordings", lambda connection: recording_faults(connection, store, rows_with(connection, lost))
-    )
+    yield from _part(store, "blobs", lambda connection: blob_faults(connection, store.blobs, lacking))
+    yield from _part(store, "recordings", lambda connection: recording_faults(connection, store, lacking))
     yield from _part(store, "episodes", episode_faults)
     yield from _part(store, "what is known of objects", known_faults)
     yield from _part(
@@ -73,10 +72,20 @@ def _mend(store: Store, fault: Fault, needed: set[str]) -> bool:
     elif fault.remedy is Remedy.REINDEX:
         mend_recording(store, UUID(name))
     elif fault.remedy is Remedy.SET_ASIDE:
-        store.blobs.set_aside(name)
+        return _set_aside(store.blobs, name)
     elif fault.remedy is Remedy.REMOVE:
         return name not in needed and store.blobs.remove(name, time.time() - YOUNG_S)
     return fault.remedy is not None
+
+
+def _set_aside(blobs: Blobs, digest: str) -> bool:
+    """Set a blob aside, unless somebody has put the right one in its place meanwhile."""
+    try:
+        blobs.get(digest)
+    except DamagedError:
+        blobs.set_aside(digest)
+        return True
+    return False
 
 
 def _part(store: Store, name: str, look: Callable[[Connection], Iterator[Fault]]) -> Iterator[Fault]:

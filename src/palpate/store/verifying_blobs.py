@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
-from sqlalchemy import Connection, Select, or_, select, union
+from sqlalchemy import Connection, select, union
 
 from palpate.store import schema
 from palpate.store.audit import CHANGED
@@ -16,23 +16,27 @@ from palpate.store.faults import Fault, Remedy
 from palpate.store.legible import legible
 from palpate.store.seals import recording_name
 
-__all__ = ["blob_faults", "named_blobs", "rows_with", "stray_faults"]
+__all__ = ["blob_faults", "named_blobs", "stray_faults"]
 
-CHUNK = 400
 SHOWN = 3
 
 
-def blob_faults(connection: Connection, blobs: Blobs, lost: set[str]) -> Iterator[Fault]:
-    """Blobs that something refers to and that are missing or damaged, with what that is; `lost` gets their digests."""
-    there = {digest for digest, _ in blobs.all()}
+def blob_faults(connection: Connection, blobs: Blobs, lacking: set[int]) -> Iterator[Fault]:
+    """Blobs that something refers to and that are missing or damaged, with what that is.
+
+    `lacking` gets the row numbers of the recordings that need one of them.
+    """
+    there, lost = {digest for digest, _ in blobs.all()}, dict[str, str]()
     for digest in sorted(named_blobs(connection)):
         try:
             blobs.get(digest)
         except DamagedError as error:
-            lost.add(digest)
-            what = str(error).removeprefix(f"blob {digest}: ")
-            told = f"{what}; needed by {_needed_by(connection, digest)}"
-            yield Fault(f"blob {digest}", told, Remedy.SET_ASIDE if digest in there else None)
+            lost[digest] = str(error).removeprefix(f"blob {digest}: ")
+    rows = _rows_with(connection, lost)
+    lacking.update(*rows.values())
+    for digest, what in lost.items():
+        told = f"{what}; needed by {_needed_by(connection, digest, rows[digest])}"
+        yield Fault(f"blob {digest}", told, Remedy.SET_ASIDE if digest in there else None)
 
 
 def stray_faults(connection: Connection, blobs: Blobs, written_before: float) -> Iterator[Fault]:
@@ -57,33 +61,37 @@ def named_blobs(connection: Connection) -> set[str]:
     return found.union(*(digests for _, digests in _of_audit(connection)))
 
 
-def rows_with(connection: Connection, digests: Collection[str]) -> set[int]:
-    """Row numbers of the recordings that need one of these blobs."""
-    found, wanted = set[int](), [bytes.fromhex(digest) for digest in digests]
-    for start in range(0, len(wanted), CHUNK):
-        found.update(connection.scalars(_rows_with(wanted[start : start + CHUNK])))
-    return found
+def _rows_with(connection: Connection, digests: Collection[str]) -> Mapping[str, list[int]]:
+    """Row numbers of the recordings that need each of these blobs.
 
-
-def _rows_with(digests: list[bytes]) -> Select[int]:
+    No index leads to them, so all that refers to a blob is gone through once, however many are lost.
+    """
     recordings, series, files = schema.recordings.c, schema.series.c, schema.files.c
-    of_series = select(series.recording_id).where(series.blob.in_(digests))
-    of_files = select(files.recording_id).where(files.blob.in_(digests))
-    needs = or_(recordings.log_blob.in_(digests), recordings.id.in_(of_series), recordings.id.in_(of_files))
-    return select(recordings.id).where(needs)
+    columns = (
+        (series.blob, series.recording_id),
+        (files.blob, files.recording_id),
+        (recordings.log_blob, recordings.id),
+    )
+    found: dict[str, set[int]] = {digest: set() for digest in digests}
+    for blob, row in columns if digests else ():
+        for data, number in connection.execute(select(blob, row).where(blob.is_not(None))):
+            if data.hex() in found:
+                found[data.hex()].add(number)
+    return {digest: sorted(rows) for digest, rows in found.items()}
 
 
-def _needed_by(connection: Connection, digest: str) -> str:
+def _needed_by(connection: Connection, digest: str, rows: Sequence[int]) -> str:
     recordings, things, images = schema.recordings.c, schema.things, schema.thing_images.c
-    rows = select(recordings.uuid).where(recordings.id.in_(_rows_with([bytes.fromhex(digest)])))
+    first = select(recordings.uuid).where(recordings.id.in_(rows[:SHOWN])).order_by(recordings.id)
     shown = select(things.c.dataset, things.c.name).join(schema.thing_images, images.thing_id == things.c.id)
+    names = [recording_name(uuid) for uuid in connection.scalars(first)]
     shown = shown.where(images.blob == bytes.fromhex(digest))
-    names = [recording_name(uuid) for uuid in connection.scalars(rows.order_by(recordings.id))]
     names += [f"object {row.dataset}/{row.name}" for row in connection.execute(shown)]
     if not names:
         undone = (f"an undo for object {name}" for name, digests in _of_audit(connection) if digest in digests)
         names = list(dict.fromkeys(undone))
-    return ", ".join(names[:SHOWN]) + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")
+    more = len(names) + len(rows[SHOWN:]) - SHOWN
+    return ", ".join(names[:SHOWN]) + (f" and {more} more" if more > 0 else "")
 
 
 def _of_audit(connection: Connection) -> Iterator[tuple[str, set[str]]]:

@@ -9,7 +9,7 @@ from uuid import UUID
 from sqlalchemy import Connection, select, update
 
 from palpate.store import schema
-from palpate.store.database import writing
+from palpate.store.database import changing
 from palpate.store.entries import Distribution
 from palpate.store.episodes import StoredEpisode
 from palpate.store.errors import DamagedError, IncompleteError
@@ -67,7 +67,7 @@ def known_faults(connection: Connection) -> Iterator[Fault]:
 def mend_episode(store: Store, key: UUID) -> None:
     """Make the columns and links of an episode again from its content."""
     episode, columns = get_episode(store, key), schema.episodes.c
-    with writing(store.engine).begin() as connection:
+    with changing(store.engine) as connection:
         row = connection.execute(select(columns.id).where(columns.uuid == key.bytes)).scalar_one()
         connection.execute(update(schema.episodes).where(columns.id == row).values(**head_columns(episode)))
         links, steps = recordings_of(connection, episode), schema.episode_steps

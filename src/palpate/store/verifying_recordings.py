@@ -10,7 +10,7 @@ from uuid import UUID
 from sqlalchemy import Connection, Select, delete, insert, inspect, select, update
 
 from palpate.store import schema
-from palpate.store.database import writing
+from palpate.store.database import changing
 from palpate.store.errors import DamagedError
 from palpate.store.faults import Fault, Remedy
 from palpate.store.fetching import Broken, id_chunks, read_each
@@ -47,7 +47,7 @@ def recording_faults(connection: Connection, store: Store, left_out: Collection[
 def mend_recording(store: Store, key: UUID) -> None:
     """Make the rows that queries use again."""
     recording, columns = store.get(key), schema.recordings.c
-    with writing(store.engine).begin() as connection:
+    with changing(store.engine) as connection:
         row = connection.execute(select(columns.id).where(columns.uuid == key.bytes)).scalar_one()
         head = connection.execute(_heads([row])).mappings().one()
         connection.execute(update(schema.recordings).where(columns.id == row).values(**_head_wanted(recording)))

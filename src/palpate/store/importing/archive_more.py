@@ -91,7 +91,7 @@ def _described(store: Store, folder: Path, row: Mapping[str, Any], things: list[
         things.append(thing)
         for image in thing.images:
             store.blobs.put(image.sha256, blob_of(folder, image.sha256))
-        change_thing(store, thing.ref, partial(_completed, other=thing), who=who)
+        change_thing(store, thing.ref, partial(_completed, other=thing), who=who, is_new=False)
     except UnavailableError:
         raise
     except (ValueError, TypeError, KeyError, OSError) as error:

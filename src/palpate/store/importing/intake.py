@@ -32,6 +32,7 @@ class Read:
     recording: Recording
     size_bytes: int
     is_known_wrong: bool
+    was_kept: bool
 
 
 def import_paths(store: Store, paths: Iterable[Path], formats: Sequence[Format]) -> Iterator[Outcome]:
@@ -124,10 +125,10 @@ def _read(item: Item | Outcome, known: Collection[str]) -> Read | Outcome:
         return Outcome(item.source, Fate.KNOWN)
     try:
         recording = item.read()
-        check(recording)
+        check(recording, is_new=not item.was_kept)
         # this reads its files, so that one that cannot be read is found before anything is put
         recording.digest  # noqa: B018
-        return Read(item.source, recording, _size_bytes(recording), item.is_known_wrong)
+        return Read(item.source, recording, _size_bytes(recording), item.is_known_wrong, item.was_kept)
     except (PalpateError, OSError, RecursionError) as error:
         return Outcome(item.source, Fate.REFUSED, told(error, item.source))
 
@@ -149,7 +150,9 @@ def _put(store: Store, batch: Sequence[Read], broken: Collection[str]) -> Iterat
     """
     try:
         wrong = {one.recording.digest for one in batch if one.is_known_wrong}
-        receipts = store.put_many([one.recording for one in batch], known_wrong=wrong) if batch else []
+        kept = {one.recording.digest for one in batch if one.was_kept}
+        recordings = [one.recording for one in batch]
+        receipts = store.put_many(recordings, known_wrong=wrong, kept_before=kept) if batch else []
     except UnavailableError:
         raise
     except StoreError as error:

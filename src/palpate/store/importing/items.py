@@ -63,12 +63,15 @@ class Item:
         Of the recording, where it can be told without reading it: then one that a store has is not read at all.
     is_known_wrong
         Whether its results may be in a unit of another dimension than their property's, see `Store.put_many`.
+    was_kept
+        Whether a store has had it, see there too.
     """
 
     source: str
     read: Callable[[], Recording]
     digest: str | None = None
     is_known_wrong: bool = False
+    was_kept: bool = False
 
 
 class Format(Protocol):

@@ -50,7 +50,7 @@ class Archives:
         """The recordings; what is there already need not be read, as its digest is stated."""
         for row in archive_rows(path):
             digest = row.digest if DIGEST.fullmatch(row.digest or "") else None
-            yield Item(f"{path}: recording {row.id}", row.read, digest, row.is_known_wrong)
+            yield Item(f"{path}: recording {row.id}", row.read, digest, row.is_known_wrong, was_kept=True)
 
     def units(self, path: Path) -> Mapping[str, str]:
         """Property to its unit: a result that is known to be wrong must not decide, though it may be the first."""
