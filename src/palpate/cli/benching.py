@@ -1,4 +1,4 @@
-"""`--robot mujoco`: the bench in physics."""
+"""`palpate explore --robot mujoco`: the bench in physics."""
 
 from __future__ import annotations
 
@@ -18,15 +18,9 @@ if TYPE_CHECKING:
     from palpate.robots.mujoco.noise import BenchNoise
     from palpate.robots.mujoco.robot import MujocoRobot
 
-__all__ = ["bench_in_use", "bench_robot", "check_bench", "noise_of"]
+__all__ = ["bench_in_use", "bench_robot", "noise_of"]
 
 NONE = "none"
-
-
-def check_bench() -> None:
-    """Say what is missing where the package was installed without what the bench needs."""
-    if find_spec("mujoco") is None:
-        raise PalpateError('the bench needs MuJoCo, which is not installed: pip install "palpate[bench]"')
 
 
 def bench_robot(network: Network, thing: str, noise: Iterable[str], rng: np.random.Generator) -> MujocoRobot:
@@ -37,7 +31,7 @@ def bench_robot(network: Network, thing: str, noise: Iterable[str], rng: np.rand
     noise
         ``--noise``.
     """
-    check_bench()
+    _check_installed()
     from palpate.robots.mujoco.estimates import estimates
     from palpate.robots.mujoco.robot import MujocoRobot
 
@@ -70,3 +64,9 @@ def noise_of(texts: Iterable[str]) -> BenchNoise:
         else:
             found = replace(found, **{name: number_of(f"--noise {name}", value)})
     return found
+
+
+def _check_installed() -> None:
+    """Say what is missing where the package was installed without what the bench needs."""
+    if find_spec("mujoco") is None:
+        raise PalpateError('--robot mujoco needs mujoco, which is not installed: pip install "palpate[bench]"')
