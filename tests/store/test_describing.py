@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from palpate.store.audit import history
 from palpate.store.describing import change_thing, fields_of, keep_image
 from palpate.store.entries import FailedEntry, Value
-from palpate.store.errors import StoreError
+from palpate.store.errors import DamagedError, StoreError
 from palpate.store.merging import merge_things, split_thing
 from palpate.store.records import ThingRef
 from palpate.store.store import Store
@@ -120,6 +120,19 @@ def test_what_was_completed_since_is_not_undone(filled: Store) -> None:
     with pytest.raises(StoreError, match="maker was completed since by a recording"):
         undo(filled, MUG)
     assert find_thing(filled, "mug").ref.maker == "another"
+
+
+def test_a_damaged_audit_is_told_in_one_sentence(filled: Store) -> None:
+    """Neither an undo nor a recording that completes the description goes by what cannot be read."""
+    change_thing(filled, MUG, lambda thing: thing.described(maker="somebody"))
+    with filled.engine.begin() as connection:
+        connection.exec_driver_sql("UPDATE audit SET detail = '[{'")
+    for act in (
+        lambda: undo(filled, MUG),
+        lambda: filled.put(squeeze(5, thing=ThingRef("made_up", "mug", common_name="cup"))),
+    ):
+        with pytest.raises(DamagedError, match=r"^the audit of object made_up/mug: cannot be read"):
+            act()
 
 
 def test_an_image_can_be_a_file(filled: Store, tmp_path: Path) -> None:

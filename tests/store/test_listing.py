@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from palpate.store.entries import Distribution, FailedEntry, Value
-from palpate.store.errors import StoreError
+from palpate.store.errors import DamagedError, StoreError
 from palpate.store.filters import Filter, Sort
 from palpate.store.listing import Listed, list_recordings, to_arrow
 from palpate.store.records import Device, Recording, Setup, ThingRef
@@ -109,6 +109,23 @@ def test_lists_are_sorted(local: Store, descending: bool, by: str) -> None:
     assert keys == sorted(keys, reverse=descending)
     by_id = {recording.id: recording for recording in MADE}
     assert all(row.entries == by_id[row.id].entries and row.notices == by_id[row.id].notices for row in rows)
+
+
+@pytest.mark.parametrize("sort", [Sort(by) for by in ("recorded", "uploaded", "action")])
+def test_a_damaged_cell_hides_no_other_recording(local: Store, sort: Sort) -> None:
+    """It is told with the recording that it is of, and the pages go on behind it."""
+    local.put_many(MADE)
+    with local.engine.begin() as connection:
+        connection.exec_driver_sql("UPDATE recordings SET owner = x'00' WHERE id = 5")
+    told: list[str] = []
+    listed, cursor = list[Listed](), None
+    for _ in range(4):
+        page = list_recordings(local, None, sort, limit=3, cursor=cursor, damaged=lambda error: told.append(str(error)))
+        listed, cursor = [*listed, *page.rows], page.cursor
+    assert {one.id for one in listed} == {one.id for one in MADE if one != MADE[4]}
+    assert told == [rf"recording {MADE[4].id}: a cell holds b'\x00', expected str"]
+    with pytest.raises(DamagedError, match=str(MADE[4].id)):
+        list_recordings(local, None, sort)
 
 
 def test_pages_hold_while_others_write(local: Store) -> None:

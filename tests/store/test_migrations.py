@@ -158,6 +158,21 @@ def test_a_filled_store_comes_up(place: str, engine: Engine, tmp_path: Path, ver
         assert list(verify(store)) == []
 
 
+@pytest.mark.parametrize("version", [version for version in versions() if version < LATEST])
+def test_a_damaged_store_comes_up(place: str, engine: Engine, tmp_path: Path, version: str) -> None:
+    """Whatever its documents are by now it can be opened, and verification names what is damaged."""
+    fill(engine, tmp_path / "blobs", version)
+    tables = ("episodes", "episode_steps", "recordings", "thing_properties")
+    with engine.begin() as connection:
+        for table in tables:
+            connection.exec_driver_sql(f"UPDATE {table} SET document = '{{'")
+        if engine.name == "sqlite":
+            connection.exec_driver_sql("UPDATE recordings SET digest = 'text' WHERE id = 1")
+    with open_store(place, tmp_path / "blobs") as store:
+        found = {fault.where.partition(" ")[0] for fault in verify(store)}
+    assert found >= {"episode", "recording", "object"}
+
+
 @pytest.mark.parametrize("version", versions())
 def test_a_filled_store_goes_down_and_up(place: str, engine: Engine, tmp_path: Path, version: str) -> None:
     """Taken down to its version a store is what it was, and up again too; taken down to nothing it begins anew."""

@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Connection, select
+from sqlalchemy import ColumnElement, Connection, Select, select
 
 from palpate.store import schema
 from palpate.store.arrays import unpack_bytes, unpack_series
@@ -21,7 +21,17 @@ from palpate.store.records import Recording, Series, Setup
 from palpate.store.registry import thing_of
 from palpate.store.seals import checked_document, recording_name
 
-__all__ = ["Broken", "fetch", "from_row_or_blob", "id_chunks", "parsed_layout", "read_each", "setup_of", "whole"]
+__all__ = [
+    "Broken",
+    "fetch",
+    "from_row_or_blob",
+    "id_chunks",
+    "parsed_layout",
+    "read_each",
+    "read_rows",
+    "setup_of",
+    "whole",
+]
 
 
 @dataclass(frozen=True)
@@ -96,6 +106,25 @@ def read_each(connection: Connection, blobs: Blobs, ids: Sequence[int]) -> Itera
             yield from read_each(connection, blobs, [row])
         return
     yield from found
+
+
+def read_rows(
+    connection: Connection, asked: Select[*tuple[Any, ...]], ids: Sequence[int]
+) -> Iterator[Mapping[Any, Any] | DamagedError]:
+    """What is asked for of each recording of these row numbers, or what is wrong with a cell of it, in order.
+
+    Raises
+    ------
+    IncompleteError
+        If tables are missing.
+    """
+    for row in ids:
+        try:
+            yield connection.execute(asked.where(schema.recordings.c.id == row)).mappings().one()
+        except IncompleteError:
+            raise
+        except DamagedError as error:
+            yield DamagedError(f"{_name(connection, row)}: {error}")
 
 
 def _name(connection: Connection, row: int) -> str:

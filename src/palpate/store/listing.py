@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import TYPE_CHECKING, Any
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Select, and_, exists, select, tuple_
+from sqlalchemy import ColumnElement, Connection, Select, and_, exists, select, tuple_
 
 from palpate.store import schema
 from palpate.store.content import entry_plain, to_json
 from palpate.store.decoding import entry_from, moment_from
 from palpate.store.entries import Entry
-from palpate.store.errors import DamagedError
+from palpate.store.errors import DamagedError, IncompleteError
+from palpate.store.fetching import read_rows
 from palpate.store.filters import Cursor, Filter, Sort
 from palpate.store.legible import legible, reading
 from palpate.store.rows import EPOCH
@@ -94,11 +95,11 @@ def list_recordings(
     """
     sort = sort or Sort()
     after = None if cursor is None else Cursor.parse(cursor, sort)
-    asked = _rows_asked(matching(wanted or Filter(), sort, after, limit), sort)
+    matched = matching(wanted or Filter(), sort, after, limit)
     with reading(store.engine) as connection:
-        rows = connection.execute(asked).mappings().all()
+        keys, rows = _keys_and_rows(connection, matched, sort)
         listed = tuple(_whole(rows, damaged))
-    end = Cursor(sort, rows[-1][sort.column], rows[-1]["id"]) if len(rows) == limit and rows else None
+    end = Cursor(sort, keys[-1][1], keys[-1][0]) if len(keys) == limit and keys else None
     return Page(listed, None if end is None else str(end))
 
 
@@ -168,24 +169,42 @@ def _has_entry(recording: ColumnElement[int], name: str, label: str | None) -> C
     return exists().where(condition if label is None else and_(condition, other.c.label == label))
 
 
-def _rows_asked(matched: Select[*tuple[Any, ...]], sort: Sort) -> Select[*tuple[Any, ...]]:
-    page, recordings, things = matched.subquery(), schema.recordings, schema.things
+def _keys_and_rows(
+    connection: Connection, matched: Select[*tuple[Any, ...]], sort: Sort
+) -> tuple[list[tuple[int, Any]], Sequence[Mapping[Any, Any] | DamagedError]]:
+    """Row number and sorted value of each recording that matched, and its row, or what is wrong with a cell of it."""
+    asked = in_order(_rows_asked(matched), schema.recordings.c[sort.column], schema.recordings.c.id, sort, None)
+    try:
+        rows = connection.execute(asked).mappings().all()
+    except IncompleteError:
+        raise
+    except DamagedError:
+        # one of them: look at each alone, to name it
+        keys = [(row[0], row[1]) for row in connection.execute(matched)]
+        return keys, list(read_rows(connection, _rows_asked(None), [row for row, _ in keys]))
+    return [(row["id"], row[sort.column]) for row in rows], rows
+
+
+def _rows_asked(matched: Select[*tuple[Any, ...]] | None) -> Select[*tuple[Any, ...]]:
+    """What stands in a list of the recordings that matched; of all, unless given."""
+    recordings, things = schema.recordings, schema.things
     names = ("id", "uuid", "digest", "recorded_us", "uploaded_us", "action", "gripper", "owner", "visibility")
     columns = [recordings.c[name] for name in (*names, "ground_truth", "document", "seal")]
     thing = [things.c.dataset, things.c.name, things.c.common_name]
-    asked = (
-        select(*columns, *thing)
-        .join(page, page.c.id == recordings.c.id)
-        # one whose object is missing is told, and not left out
-        .outerjoin(things, things.c.id == recordings.c.thing_id)
-    )
-    return in_order(asked, recordings.c[sort.column], recordings.c.id, sort, None)
+    asked = select(*columns, *thing)
+    if matched is not None:
+        page = matched.subquery()
+        asked = asked.join(page, page.c.id == recordings.c.id)
+    # one whose object is missing is told, and not left out
+    return asked.outerjoin(things, things.c.id == recordings.c.thing_id)
 
 
-def _whole(rows: Iterable[Mapping[Any, Any]], damaged: Damaged | None) -> Iterator[Listed]:
+def _whole(rows: Iterable[Mapping[Any, Any] | DamagedError], damaged: Damaged | None) -> Iterator[Listed]:
     """The rows that are what was written; what is not is told, or raised."""
     for row in rows:
         try:
+            if isinstance(row, DamagedError):
+                raise row
             yield _listed(row)
         except DamagedError as error:
             if damaged is None:

@@ -14,6 +14,7 @@ from palpate.store import schema
 from palpate.store.audit import MERGED, last_of, note, row_of, take_back
 from palpate.store.database import MERGE_LOCK, changing, one_at_a_time
 from palpate.store.errors import StoreError
+from palpate.store.legible import legible
 from palpate.store.records import ThingRef
 from palpate.store.store import Store
 
@@ -87,8 +88,9 @@ def _below(connection: Connection, thing: int) -> list[int]:
     named = select(things.c.id, things.c.dataset, things.c.name)
     rows = {(row.dataset, row.name): row.id for row in connection.execute(named)}
     merged: dict[int, list[int]] = defaultdict(list)
-    for row in connection.execute(select(audit.c.thing_id, audit.c.detail).where(*holds)):
-        merged[rows[tuple(json.loads(row.detail)["into"])]].append(row.thing_id)
+    with legible("the audit of merged objects"):
+        for row in connection.execute(select(audit.c.thing_id, audit.c.detail).where(*holds)):
+            merged[rows[tuple(json.loads(row.detail)["into"])]].append(row.thing_id)
     found = list(merged[thing])
     # the list grows while it is gone through
     for each in found:

@@ -177,7 +177,8 @@ class Lookup(Registry):
         known = thing_of(found)
         joined = joined_things(known, thing)
         if joined != known:
-            joined = without(known, joined, taken_away(self.connection, found["id"]))
+            with legible(f"the audit of object {known.dataset}/{known.id}"):
+                joined = without(known, joined, taken_away(self.connection, found["id"]))
             self.connection.execute(update(table).where(table.c.id == found["id"]).values(**thing_row(joined)))
         contradicted = contradictions(known, thing)
         if contradicted:

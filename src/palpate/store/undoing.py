@@ -12,6 +12,7 @@ from palpate.store.content import to_json
 from palpate.store.database import MERGE_LOCK, changing, one_at_a_time
 from palpate.store.describing import admit_known, fields_of, with_fields, write
 from palpate.store.errors import StoreError
+from palpate.store.legible import legible
 from palpate.store.merging import unmerge
 from palpate.store.records import ThingRef
 from palpate.store.store import Store
@@ -45,7 +46,8 @@ def undo(store: Store, thing: ThingRef, *, who: str | None = None) -> Change:
         if last["what"] == MERGED:
             unmerge(connection, row["id"])
         else:
-            _restore(connection, row["id"], thing, json.loads(last["detail"]))
+            with legible(f"the audit of object {thing.dataset}/{thing.id}"):
+                _restore(connection, row["id"], thing, json.loads(last["detail"]))
         take_back(connection, last, who)
         return change_of(connection, last["id"])
 

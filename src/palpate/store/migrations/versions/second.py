@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import sqlalchemy as sa
 from alembic import op
@@ -63,13 +65,21 @@ def _fill_episodes() -> None:
     connection = op.get_bind()
     for row in connection.execute(sa.select(episodes.c.id, episodes.c.document)).mappings().all():
         asked = sa.select(steps.c.document).where(steps.c.episode_id == row["id"]).order_by(steps.c.position)
-        records = [json.loads(step)["record"] for step in connection.scalars(asked)]
-        told = {
-            "owner": json.loads(row["document"])["owner"],
+        told = _told(row["document"], connection.scalars(asked).all())
+        connection.execute(sa.update(episodes).where(episodes.c.id == row["id"]).values(**told))
+
+
+def _told(document: str, steps: Sequence[str]) -> dict[str, Any]:
+    """What the columns of an episode repeat; nothing of a damaged one, so that its store can be opened and verified."""
+    try:
+        records = [json.loads(step)["record"] for step in steps]
+        return {
+            "owner": json.loads(document)["owner"],
             "actions": sum("action" in record for record in records),
             "stop": records[-1].get("stop") if records else None,
         }
-        connection.execute(sa.update(episodes).where(episodes.c.id == row["id"]).values(**told))
+    except (ValueError, TypeError, LookupError, AttributeError):
+        return {"owner": None, "actions": 0, "stop": None}
 
 
 def _put_aside() -> None:
@@ -130,8 +140,14 @@ def _fill() -> None:
         if (row["thing_id"], row["property"], source) in taken:
             source = f"{source} ({row['id']})"
         taken.add((row["thing_id"], row["property"], source))
-        plain = json.loads(row["document"])
-        probabilities = plain.get("probabilities") or {}
-        label = min(probabilities, key=lambda name: (-probabilities[name], name)) if probabilities else None
-        changed = sa.update(known).where(known.c.id == row["id"]).values(source=source, label=label)
-        connection.execute(changed)
+        changed = sa.update(known).where(known.c.id == row["id"])
+        connection.execute(changed.values(source=source, label=_label(row["document"])))
+
+
+def _label(document: str) -> str | None:
+    """The most probable label of what is known; none of what is damaged, as for episodes."""
+    try:
+        probabilities: Mapping[str, float] = json.loads(document).get("probabilities") or {}
+        return min(probabilities, key=lambda name: (-probabilities[name], name)) if probabilities else None
+    except (ValueError, TypeError, LookupError, AttributeError):
+        return None

@@ -20,10 +20,13 @@ def upgrade() -> None:
     op.add_column("recordings", sa.Column("seal", sa.LargeBinary(32)))
     connection, last = op.get_bind(), 0
     table = sa.table("recordings", sa.column("id"), sa.column("digest"), sa.column("document"), sa.column("seal"))
-    # bytes also where they are no text any more, so that a damaged store can be opened and verified
-    is_sqlite = connection.dialect.name == "sqlite"
-    document = sa.cast(table.c.document, sa.BLOB) if is_sqlite else sa.func.convert_to(table.c.document, "UTF8")
-    asked = sa.select(table.c.id, table.c.digest, document.label("text")).order_by(table.c.id).limit(AT_ONCE)
+    # bytes also where they are something else by now, so that a damaged store can be opened and verified
+    if connection.dialect.name == "sqlite":
+        digest, document = sa.cast(table.c.digest, sa.BLOB), sa.cast(table.c.document, sa.BLOB)
+    else:
+        digest, document = table.c.digest, sa.func.convert_to(table.c.document, "UTF8")
+    columns = (table.c.id, digest.label("digest"), document.label("text"))
+    asked = sa.select(*columns).order_by(table.c.id).limit(AT_ONCE)
     changed = sa.update(table).where(table.c.id == sa.bindparam("row")).values(seal=sa.bindparam("made"))
     while rows := connection.execute(asked.where(table.c.id > last)).all():
         seals = [{"row": row.id, "made": sha256(bytes(row.digest) + bytes(row.text)).digest()} for row in rows]
