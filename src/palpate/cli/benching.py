@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from palpate.robots.mujoco.noise import BenchNoise
     from palpate.robots.mujoco.robot import MujocoRobot
 
-__all__ = ["bench_in_use", "bench_robot", "noise_of"]
+__all__ = ["bench_in_use", "bench_robot", "check_installed", "noise_of"]
 
 NONE = "none"
 
@@ -31,7 +31,7 @@ def bench_robot(network: Network, thing: str, noise: Iterable[str], rng: np.rand
     noise
         ``--noise``.
     """
-    _check_installed()
+    check_installed()
     from palpate.robots.mujoco.estimates import estimates
     from palpate.robots.mujoco.robot import MujocoRobot
 
@@ -66,7 +66,7 @@ def noise_of(texts: Iterable[str]) -> BenchNoise:
     return found
 
 
-def _check_installed() -> None:
+def check_installed() -> None:
     """Say what is missing where the package was installed without what the bench needs."""
     if find_spec("mujoco") is None:
         raise PalpateError('--robot mujoco needs mujoco, which is not installed: pip install "palpate[bench]"')

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 
 from palpate import __version__
+from palpate.cli.benching import check_installed
 from palpate.cli.tasks_view import run_shown
 from palpate.errors import PalpateError
 from palpate.experiments.bench.held_out import held_out_tasks
@@ -47,8 +47,7 @@ def run(
     resume: bool,
 ) -> None:
     """Measure all objects, explore each with sensors calibrated on the others, and save the table."""
-    if find_spec("mujoco") is None:
-        raise PalpateError('the bench needs MuJoCo, which is not installed: pip install "palpate[bench]"')
+    check_installed()
     known, how = load_network(network), _How(workers, scheduler, resume)
     if len(known.objects) < 3:
         raise PalpateError(f"{network}: found {len(known.objects)} known objects, expected 3 at least to hold one out")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 
 from palpate import __version__
+from palpate.cli.benching import check_installed
 from palpate.cli.fit_options import How, OfStore
 from palpate.cli.store_options import Place
 from palpate.errors import PalpateError, choices, near
@@ -58,8 +58,8 @@ class OnRobot:
 
     def check(self) -> None:
         """Refuse a robot that cannot be had here."""
-        if self.robot == "mujoco" and find_spec("mujoco") is None:
-            raise PalpateError('the bench needs MuJoCo, which is not installed: pip install "palpate[bench]"')
+        if self.robot == "mujoco":
+            check_installed()
 
     @property
     def words(self) -> list[object]:

@@ -123,7 +123,7 @@ class PairTask(HeldOut):
         return f"pair-{self.place:05d}"
 
     def run(self) -> list[Row]:
-        """A row for each step of greedy explorations."""
+        """A row for each step of the explorations."""
         calibrated = self.calibrated()
         return [row for tape in self.tapes() for row in telling_rows(calibrated, tape)]
 

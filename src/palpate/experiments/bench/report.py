@@ -109,10 +109,11 @@ def _pairs(results: Results) -> str:
     columns = ["object", "told apart", "bits for the right one of the pair", "least surprise", "when"]
     return f"""## Pairs that look alike
 
-An object is told apart where its outcomes together are more probable of it than of the one that it looks like, or that
-looks like it. Bits by action are medians, of at most {MOST_BITS:g}; actions whose truth is the same, or not known, say
-nothing. Least surprise: the median over repetitions of the smallest probability of an outcome at least as unlikely,
-and the step and action at which it was most often the smallest.
+Explored by gain per cost, so that the robot looks before it touches. An object is told apart where its outcomes
+together are more probable of it than of the one that it looks like, or that looks like it. Bits by action are medians,
+of at most {MOST_BITS:g}; actions whose truth is the same, or not known, say nothing. Least surprise: the median over
+repetitions of the smallest probability of an outcome at least as unlikely, and the step and action at which it was
+most often the smallest.
 
 {table(columns, rows)}"""
 
