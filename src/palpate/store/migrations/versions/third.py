@@ -22,11 +22,10 @@ def upgrade() -> None:
     table = sa.table("recordings", sa.column("id"), sa.column("digest"), sa.column("document"), sa.column("seal"))
     # bytes also where they are something else by now, so that a damaged store can be opened and verified
     if connection.dialect.name == "sqlite":
-        digest, document = sa.cast(table.c.digest, sa.BLOB), sa.cast(table.c.document, sa.BLOB)
+        parts = (sa.cast(table.c.digest, sa.BLOB).label("digest"), sa.cast(table.c.document, sa.BLOB).label("text"))
     else:
-        digest, document = table.c.digest, sa.func.convert_to(table.c.document, "UTF8")
-    columns = (table.c.id, digest.label("digest"), document.label("text"))
-    asked = sa.select(*columns).order_by(table.c.id).limit(AT_ONCE)
+        parts = (table.c.digest.label("digest"), sa.func.convert_to(table.c.document, "UTF8").label("text"))
+    asked = sa.select(table.c.id, *parts).order_by(table.c.id).limit(AT_ONCE)
     changed = sa.update(table).where(table.c.id == sa.bindparam("row")).values(seal=sa.bindparam("made"))
     while rows := connection.execute(asked.where(table.c.id > last)).all():
         seals = [{"row": row.id, "made": sha256(bytes(row.digest) + bytes(row.text)).digest()} for row in rows]
