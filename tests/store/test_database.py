@@ -81,7 +81,7 @@ def test_a_newer_store_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "store.sqlite"
     with open_store(path) as store, store.engine.begin() as connection:
         connection.exec_driver_sql("UPDATE alembic_version SET version_num = '9999'")
-    with pytest.raises(StoreError, match="tables of version 9999, expected 0002 or older: update palpate"):
+    with pytest.raises(StoreError, match=f"tables of version 9999, expected {LATEST} or older: update palpate"):
         open_store(path)
 
 
