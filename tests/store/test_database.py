@@ -11,7 +11,7 @@ from palpate.store.content import entry_plain, to_json
 from palpate.store.database import LATEST, connect, migrate, revision
 from palpate.store.describing import change_thing
 from palpate.store.entries import Distribution, Value
-from palpate.store.errors import StoreError
+from palpate.store.errors import DamagedError, StoreError
 from palpate.store.filters import Filter
 from palpate.store.keeping_episodes import get_episode, put_episode
 from palpate.store.listing import list_recordings
@@ -90,3 +90,15 @@ def test_other_addresses_are_refused(url: str) -> None:
     """What is no address of SQLite or PostgreSQL is an error in one sentence."""
     with pytest.raises(StoreError, match="expected"):
         connect(url)
+
+
+def test_a_schema_that_is_no_text_is_damage(tmp_path: Path) -> None:
+    """SQLite tells a damaged schema in its own bytes, which Python's driver cannot read."""
+    place = tmp_path / "measurements.sqlite"
+    open_store(place).close()
+    whole = place.read_bytes()
+    name = b"alembic_versionalembic_version"
+    assert whole.count(name) == 1
+    place.write_bytes(whole.replace(name, b"al\x8f" + name[3:]))
+    with pytest.raises(DamagedError, match="the schema is no text"):
+        open_store(place)

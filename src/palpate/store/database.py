@@ -93,7 +93,12 @@ def _sqlite(address: URL, *, durable: bool) -> Engine:
         # transactions are begun below, and not when sqlite3 thinks fit
         connection.isolation_level = None
         connection.execute(f"PRAGMA page_size = {PAGE_BYTES}")
-        connection.execute("PRAGMA journal_mode = WAL")
+        try:
+            # reads the schema; of a damaged one SQLite tells a part, which need not be text
+            connection.execute("PRAGMA journal_mode = WAL")
+        except UnicodeDecodeError:
+            told = f"store {address!r}: the schema is no text"
+            raise DamagedError(f"{told}; expected the SQLite file that was written") from None
         connection.execute(f"PRAGMA synchronous = {synchronous}")
         connection.execute("PRAGMA foreign_keys = ON")
         connection.execute("PRAGMA cache_size = -65536")
