@@ -34,6 +34,15 @@ def test_list_shows_each_recording(run: Run, spool: Spool) -> None:
     assert "was cut off: palpate spool recover" in ran.out
 
 
+def test_list_tells_signals_from_nothing(run: Run, spool: Spool) -> None:
+    """A recording without results has signals, or not even these."""
+    spool.add(squeeze(entries=()))
+    spool.add(squeeze(entries=(), series=()))
+    out = run("spool", "list", "--spool", spool.folder).out
+    assert out.count("squeezing of mug: signals") == 1
+    assert out.count("squeezing of mug: no result") == 1
+
+
 def test_recover_then_upload(run: Run, spool: Spool, tmp_path: Path) -> None:
     """What was cut off is recovered, sent, and then in the store and no longer in the spool."""
     spool.add(squeeze())

@@ -67,5 +67,6 @@ def _in_short(spool: Spool, name: str) -> str:
 def _words(recording: Recording) -> str:
     told = [f"failed, {e.reason}" if isinstance(e, FailedEntry) else e.property for e in recording.entries]
     thing = recording.thing.common_name or recording.thing.id
+    without = "signals" if recording.series else "no result"
     # a reason may hold line breaks
-    return f"{recording.action} of {thing}: {' '.join(', '.join(told).split()) or 'signals'}"
+    return f"{recording.action} of {thing}: {' '.join(', '.join(told).split()) or without}"
