@@ -33,7 +33,7 @@ def test_what_was_refused_goes_through_once_the_unit_is_right(run: Run, place: P
     assert ran.code == 1
     assert "expected mass, as 'g'" in ran.out
     assert len(spool.refused()) == 1
-    assert "said to be wrong" in run("store", "unit", "fluff", "kPa", "--store", place).refused
+    assert "said to be wrong (wrong, --wrong)" in run("store", "unit", "fluff", "kPa", "--store", place).refused
     ran = run("store", "unit", "fluff", "kPa", "--wrong", "--who", "ann", "--store", place)
     assert ran.out == "fluff: kPa decides; 0 results count, 1 in another dimension do not\n"
     ran = run(*upload, "--refused")

@@ -49,7 +49,7 @@ def test_changes_are_undone_last_first(filled: Store) -> None:
     assert [undo(filled, MUG, who="bob").what for _ in range(3)] == ["changed", "merged", "changed"]
     assert find_thing(filled, "mug") == before
     assert {change.undone_by for change in history(filled, MUG)} == {"bob"}
-    with pytest.raises(StoreError, match="made_up mug has no change to take back"):
+    with pytest.raises(StoreError, match="made_up/mug has no change to take back"):
         undo(filled, MUG)
 
 

@@ -82,14 +82,14 @@ def test_what_was_merged_again_by_itself_stays(filled: Store) -> None:
 
 def test_merges_that_make_no_sense_are_refused(filled: Store) -> None:
     """An object that is not there, the same twice, one that is merged already, and splitting what is not merged."""
-    with pytest.raises(StoreError, match="thing: made_up d is not in the store"):
+    with pytest.raises(StoreError, match="thing: made_up/d is not in the store"):
         merge_things(filled, ThingRef("made_up", "d"), A)
-    with pytest.raises(StoreError, match="into: made_up a is the same object"):
+    with pytest.raises(StoreError, match="into: made_up/a is the same object"):
         merge_things(filled, A, A)
-    with pytest.raises(StoreError, match="thing: made_up a is not merged"):
+    with pytest.raises(StoreError, match="thing: made_up/a is not merged"):
         split_thing(filled, A)
     merge_things(filled, A, B)
-    with pytest.raises(StoreError, match="into: made_up a is merged into another"):
+    with pytest.raises(StoreError, match="into: made_up/a is merged into another"):
         merge_things(filled, C, A)
 
 

@@ -94,7 +94,7 @@ def row_of(connection: Connection, name: str, thing: ThingRef) -> Row:
     asked = select(schema.things).where(is_thing(thing)).with_for_update()
     row = connection.execute(asked).mappings().first()
     if row is None:
-        raise StoreError(f"{name}: {thing.dataset} {thing.id} is not in the store, expected an object that is")
+        raise StoreError(f"{name}: {thing.dataset}/{thing.id} is not in the store, expected an object that is")
     return row
 
 

@@ -47,10 +47,10 @@ def merge_things(store: Store, thing: ThingRef, into: ThingRef, *, who: str | No
         for name, row in (("thing", one), ("into", other)):
             if row["merged_into"] is not None:
                 raise StoreError(
-                    f"{name}: {row['dataset']} {row['name']} is merged into another, expected one that is not"
+                    f"{name}: {row['dataset']}/{row['name']} is merged into another, expected one that is not"
                 )
         if one["id"] == other["id"]:
-            raise StoreError(f"into: {into.dataset} {into.id} is the same object, expected another one")
+            raise StoreError(f"into: {into.dataset}/{into.id} is the same object, expected another one")
         columns = schema.things.c
         taken = list(connection.scalars(select(columns.id).where(columns.merged_into == one["id"])))
         _point(connection, [one["id"], *taken], other["id"])
@@ -70,7 +70,7 @@ def split_thing(store: Store, thing: ThingRef, *, who: str | None = None) -> Non
         row = row_of(connection, "thing", thing)
         noted = last_of(connection, row["id"], MERGED)
         if row["merged_into"] is None or noted is None:
-            raise StoreError(f"thing: {thing.dataset} {thing.id} is not merged, expected one that is")
+            raise StoreError(f"thing: {thing.dataset}/{thing.id} is not merged, expected one that is")
         unmerge(connection, row["id"])
         take_back(connection, noted, who)
 

@@ -42,7 +42,7 @@ def undo(store: Store, thing: ThingRef, *, who: str | None = None) -> Change:
         row = row_of(connection, "thing", thing)
         last = last_of(connection, row["id"], *UNDOABLE)
         if last is None:
-            raise StoreError(f"thing: {thing.dataset} {thing.id} has no change to take back, expected one that has")
+            raise StoreError(f"thing: {thing.dataset}/{thing.id} has no change to take back, expected one that has")
         if last["what"] == MERGED:
             unmerge(connection, row["id"])
         else:
@@ -58,7 +58,7 @@ def _restore(connection: Connection, row: int, thing: ThingRef, detail: list[dic
     for one in detail:
         field = tuple(one["field"])
         if to_json(fields.get(field)) != to_json(one.get("after")):
-            where = f"thing: {thing.dataset} {thing.id}: {'.'.join(field)}"
+            where = f"thing: {thing.dataset}/{thing.id}: {'.'.join(field)}"
             raise StoreError(f"{where} was completed since by a recording, expected what the change left: set it")
         fields.pop(field, None)
         if "before" in one:

@@ -128,7 +128,9 @@ def change_unit(store: Store, name: str, unit: str, *, wrong: bool = False, who:
         changed = _counted(name, unit, _given(connection, name).get(name, {}))
         if changed.wrong and not wrong:
             found = f"property {name!r}: {changed.wrong} of its results are in a unit of another dimension"
-            raise StoreError(f"{found} than {unit!r}, expected none, or that they are said to be wrong")
+            raise StoreError(
+                f"{found} than {unit!r}, expected none, or that they are said to be wrong (wrong, --wrong)"
+            )
         _check_known(connection, name, unit)
         _count_anew(connection, name, unit)
         connection.execute(update(schema.properties).where(schema.properties.c.name == name).values(unit=unit))
