@@ -1,15 +1,8 @@
 """The command itself: it serves, receives from the client, and stops when told."""
 
-import os
 import signal
-import socket
-import subprocess
-import sys
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from urllib.error import HTTPError, URLError
+from urllib.error import HTTPError
 from urllib.request import Request, urlopen
 
 import pytest
@@ -19,34 +12,8 @@ from palpate.recording.spool import Spool
 from palpate.recording.uploading import upload
 from palpate.server.security.accounts import Role, add_user, issue
 from palpate.store.opening import open_store
+from tests.server.serving import served
 from tests.store.made_up import squeeze
-
-
-def free_port() -> int:
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
-        port: int = found.getsockname()[1]
-        return port
-
-
-@contextmanager
-def served(place: Path, *options: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
-    port = free_port()
-    command = [sys.executable, "-m", "palpate", "serve", "--store", str(place), "--port", str(port), *options]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=dict(os.environ))
-    address = f"http://127.0.0.1:{port}"
-    try:
-        for _ in range(300):
-            try:
-                urlopen(f"{address}/health").close()
-                break
-            except (URLError, ConnectionError):
-                assert process.poll() is None, process.communicate()
-                time.sleep(0.1)
-        yield address, process
-    finally:
-        process.kill()
-        process.communicate()
 
 
 @pytest.mark.parametrize("workers", ["1", "2"])
