@@ -3,14 +3,19 @@
 import os
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 import numpy as np
 import pytest
 
 from palpate.server.example import add_example
 from palpate.store.blobs import FolderBlobs
+from palpate.store.keeping_episodes import get_episode, put_episode
+from palpate.store.listing_episodes import list_episodes
 from palpate.store.opening import open_store
 from palpate.store.pictures import png
 from palpate.store.records import Channel, FileItem, Series, ThingRef
@@ -37,14 +42,18 @@ def browser() -> Iterator[Any]:
 
 
 @pytest.fixture(scope="module", params=["sqlite", "postgresql"])
-def site(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """A server with example data, and with a recording that has a sound and a picture."""
+def place(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
+    """Where a store and its blobs are."""
     check_services(request.param)
     folder = tmp_path_factory.mktemp("site")
-    place: Path | str = emptied() if request.param == "postgresql" else folder / "store.sqlite"
-    blobs = folder / "blobs"
-    opened = open_store(place, blobs, durable=False)
-    with Store(opened.engine, FolderBlobs(blobs)) as store:
+    where = str(emptied() if request.param == "postgresql" else folder / "store.sqlite")
+    return where, str(folder / "blobs")
+
+
+@pytest.fixture(scope="module")
+def site(place: tuple[str, str]) -> Iterator[str]:
+    """A server with example data, and with a recording that has a sound and a picture."""
+    with Store(open_store(*place, durable=False).engine, FolderBlobs(Path(place[1]))) as store:
         add_example(store, count=60)
         tone = Channel("sound", "sound pressure", None, np.sin(np.arange(16_000) / 5), rate_hz=8000.0)
         store.put(
@@ -59,7 +68,7 @@ def site(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
                 ),
             )
         )
-    with served(place, "--blobs", str(blobs)) as (address, _):
+    with served(place[0], "--blobs", place[1]) as (address, _):
         yield address
 
 
@@ -136,6 +145,24 @@ def test_step_through_an_exploration(page: Any) -> None:
     assert page.locator("li.chosen").count() == 1
     page.get_by_role("link", name="its signals").click()
     page.wait_for_url("**/recordings/*")
+
+
+def test_watch_an_exploration_that_another_process_makes(page: Any, place: tuple[str, str]) -> None:
+    """The page follows it step by step without being loaded again, and says in the end why it stopped."""
+    with Store(open_store(place[0], place[1], durable=False).engine, FolderBlobs(Path(place[1]))) as store:
+        shown = get_episode(store, list_episodes(store, limit=1).rows[0].id)
+        grown = replace(shown, steps=(), id=uuid4(), started_at=datetime.now(UTC))
+        put_episode(store, grown)
+        page.goto(f"/episodes/{grown.id}")
+        page.get_by_text("No step was taken yet").wait_for()
+        page.evaluate("window.same = true")
+        for number, step in enumerate(shown.steps[:-1], 1):
+            grown = grown.continued(step.record, step.recording)
+            put_episode(store, grown)
+            page.get_by_role("heading", name=f"Step {number}: which action?").wait_for(timeout=5000)
+        put_episode(store, grown.continued(shown.steps[-1].record))
+        page.get_by_role("status").get_by_text("It ended because").wait_for(timeout=5000)
+        assert page.evaluate("window.same")
 
 
 def test_keyboard_gets_past_the_menu(page: Any) -> None:

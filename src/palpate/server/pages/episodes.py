@@ -12,6 +12,7 @@ from palpate.episode.format import Episode, LoggedStep, episode_of
 from palpate.errors import LogError
 from palpate.evidence import format_item
 from palpate.logfile import Line
+from palpate.server.api.downloads import SHOWN
 from palpate.server.api.episodes import SeenEpisode
 from palpate.server.api.parameters import StoreOf
 from palpate.server.api.queries import EpisodeQuery
@@ -22,7 +23,7 @@ from palpate.server.problems import problem
 from palpate.server.security.who import Who
 from palpate.store.episodes import StoredEpisode
 from palpate.store.listing_episodes import list_episodes
-from palpate.store.visible_episodes import recordings_of_digests
+from palpate.store.parts import Head, head_of
 
 __all__ = ["router"]
 
@@ -63,6 +64,7 @@ def one(
         raise problem(404, f"step: found {asked.step}, expected one of the {len(episode.steps)} steps")
     place = asked.step or len(episode.steps)
     step = episode.steps[place - 1] if episode.steps else None
+    recording = _recording(store, who, stored, place)
     return page(
         request,
         "episode.html",
@@ -73,7 +75,8 @@ def one(
         gains=_gains(step),
         outcome=None if step is None else _told(step),
         rows=[] if step is None else belief_rows(step.before, step.after),
-        recording=_recording(store, who, stored, place),
+        recording=None if recording is None else str(recording.id),
+        pictures=[] if recording is None else _pictures(recording),
     )
 
 
@@ -99,8 +102,18 @@ def _gains(step: LoggedStep | None) -> list[tuple[str, float, float]]:
     return [(action, gain, gain / most) for action, gain in ranked]
 
 
-def _recording(store: StoreOf, who: Who, stored: StoredEpisode, place: int) -> str | None:
+def _recording(store: StoreOf, who: Who, stored: StoredEpisode, place: int) -> Head | None:
     """The recording of a step's action, where there is one to see."""
-    steps = [one for one in stored.steps if one.record.get("step") == place and one.recording is not None]
-    found = recordings_of_digests(store, who.viewer, [one.recording for one in steps if one.recording is not None])
-    return next((str(id) for id in found.values()), None)
+    for line in stored.steps:
+        if line.record.get("step") == place and line.recording is not None:
+            return head_of(store, who.viewer, bytes.fromhex(line.recording))
+    return None
+
+
+def _pictures(head: Head) -> list[dict[str, str]]:
+    """Files of a recording that a browser shows as pictures."""
+    return [
+        {"name": item.name, "url": f"/api/v1/recordings/{head.id}/files/{place}"}
+        for place, item in enumerate(head.files)
+        if item.media_type in SHOWN and item.media_type.startswith("image/")
+    ]

@@ -7,12 +7,12 @@ from starlette.responses import Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
-from palpate.server.pages import comparing, devices, episodes, guides, home, objects, recordings
+from palpate.server.pages import comparing, devices, episodes, guides, home, live, objects, recordings
 from palpate.server.pages.templates import STATIC
 
 __all__ = ["install"]
 
-PARTS = (home, objects, recordings, devices, comparing, episodes, guides)
+PARTS = (home, objects, recordings, devices, comparing, live, episodes, guides)
 
 
 class Assets(StaticFiles):
