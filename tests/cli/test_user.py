@@ -1,10 +1,11 @@
 import json
+from io import StringIO
 from pathlib import Path
 
 import pytest
 
 from palpate.cli import main
-from palpate.server.security.accounts import Account, Role, account_of
+from palpate.server.security.accounts import Account, Role, account_of, log_in
 from palpate.store.opening import open_store
 
 
@@ -36,6 +37,22 @@ def test_the_first_administrator(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert [one["role"] for one in plain["tokens"]] == ["admin", "owner"]
     with open_store(place) as store:
         assert account_of(store, first) is None
+
+
+def test_a_password_is_read_and_not_shown(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It comes from standard input, and lets somebody log in; one that is too short is refused."""
+    place = str(tmp_path / "store.sqlite")
+    run("user", "add", "ann", "--store", place)
+    for password, code in (("short", 2), ("correct horse battery", 0)):
+        monkeypatch.setattr("sys.stdin", StringIO(f"{password}\n"))
+        assert run("user", "password", "ann", "--store", place) == code
+        told = capsys.readouterr()
+        assert password not in told.out + told.err
+    with open_store(place) as store:
+        assert log_in(store, "ann", "correct horse battery") is not None
+        assert log_in(store, "ann", "correct horse") is None
 
 
 def test_mistakes_exit_with_two(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

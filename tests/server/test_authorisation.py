@@ -17,6 +17,7 @@ from palpate.store.merging import merge_things
 from palpate.store.records import Channel, Device, FileItem, Recording, Series, Setup, ThingRef
 from palpate.store.store import Store
 from tests.server.conftest import KEY
+from tests.server.test_corrections import OPERATIONS
 from tests.store.made_up import made_episode, squeeze
 
 API = "/api/v1"
@@ -106,7 +107,7 @@ def world(store: Store) -> World:
         change_thing(store, recording.thing, lambda thing, image=image: thing.showing(image))  # type: ignore[misc]
         # an object that all see, and of which each sees the parts that they may
         merge_things(store, recording.thing, shared.thing)
-    headers = {"anonymous": {}, "host": {"Cookie": f'palpate-key="{KEY}"'}}
+    headers = {"anonymous": {}, "host": {"Cookie": f'palpate-key="{KEY}"', "Origin": "http://testserver"}}
     for name, role in ROLES.items():
         add_user(store, name, role)
         headers[name] = {"Authorization": f"Bearer {issue(store, name)}"}
@@ -200,12 +201,26 @@ def test_no_address_was_forgotten(client: TestClient, world: World) -> None:
         for path, methods in document["paths"].items()
         if "get" in methods
     ]
-    asked = [*world.addresses("public"), *LISTS, f"{API}/users", f"{API}/tokens", "/health", "/metrics"]
+    asked = [
+        *world.addresses("public"),
+        *LISTS,
+        f"{API}/users",
+        f"{API}/tokens",
+        "/health",
+        "/metrics",
+        f"{API}/objects/a/b/history",
+    ]
     assert not [pattern.pattern for pattern in patterns if not any(pattern.fullmatch(one) for one in asked)]
     others = {
         (method, path) for path, methods in document["paths"].items() for method in methods if method not in ("get",)
     }
-    assert others == {("put", f"{API}/recordings/{{digest}}"), ("delete", f"{API}/tokens/{{id}}")}
+    thing = f"{API}/objects/{{dataset}}/{{name}}"
+    corrections = {(method.lower(), f"{thing}{path.partition('?')[0]}") for method, path, _ in OPERATIONS}
+    assert others == {
+        ("put", f"{API}/recordings/{{digest}}"),
+        ("delete", f"{API}/tokens/{{id}}"),
+        *(one for one in corrections if one[0] != "get"),
+    }
 
 
 def test_a_token_ends(client: TestClient, store: Store, world: World) -> None:

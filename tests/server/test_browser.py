@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from palpate.server.example import add_example
+from palpate.server.security.accounts import Role, add_user, set_password, users
 from palpate.store.blobs import FolderBlobs
 from palpate.store.keeping_episodes import get_episode, put_episode
 from palpate.store.listing_episodes import list_episodes
@@ -145,6 +146,37 @@ def test_step_through_an_exploration(page: Any) -> None:
     assert page.locator("li.chosen").count() == 1
     page.get_by_role("link", name="its signals").click()
     page.wait_for_url("**/recordings/*")
+
+
+def test_log_in_and_correct_an_object(page: Any, place: tuple[str, str]) -> None:
+    """A curator logs in, renames an object, merges it with another one, splits it, and takes the name back."""
+    with Store(open_store(place[0], place[1], durable=False).engine, FolderBlobs(Path(place[1]))) as store:
+        if not users(store):
+            add_user(store, "carl", Role.CURATOR)
+            set_password(store, "carl", "correct horse battery")
+    page.goto("/")
+    page.get_by_role("link", name="Log in").click()
+    page.get_by_label("Name").fill("carl")
+    page.get_by_label("Password").fill("correct horse battery")
+    page.get_by_role("button", name="Log in").click()
+    page.get_by_text("carl").wait_for()
+    page.goto("/objects/lab/bell")
+    page.get_by_role("link", name="Change what is said of it").click()
+    page.get_by_label("Common name").fill("brass bell")
+    page.get_by_role("button", name="Save the description").click()
+    page.get_by_role("heading", name="brass bell").wait_for()
+    page.goto("/objects/lab/bell/edit")
+    page.get_by_label("Data set and name").fill("ycb/011_banana")
+    page.get_by_role("button", name="Let it count as that one").click()
+    page.get_by_text("It counts as").wait_for()
+    page.goto("/objects/lab/bell/edit")
+    page.get_by_role("button", name="Split it off again").click()
+    page.get_by_role("heading", name="brass bell").wait_for()
+    page.goto("/objects/lab/bell/edit")
+    page.get_by_role("button", name="Take back").click()
+    page.get_by_role("heading", name="bell", exact=True).wait_for()
+    page.get_by_role("button", name="Log out").click()
+    page.get_by_role("link", name="Log in").wait_for()
 
 
 def test_watch_an_exploration_that_another_process_makes(page: Any, place: tuple[str, str]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from enum import StrEnum
 from typing import Annotated
 
@@ -78,6 +79,17 @@ def token(
 
     with place.opened() as store:
         print(issue(store, name, None if role is None else Role.parse(role.value), days=days))
+
+
+@app.command("password")
+@spread
+def password(place: Place, name: Name) -> None:
+    """Give an account a password, to log in with a browser; it is asked for, or read from standard input."""
+    from palpate.server.security.accounts import set_password
+
+    asked = typer.prompt("Password", hide_input=True, confirmation_prompt=True) if sys.stdin.isatty() else input()
+    with place.opened() as store:
+        set_password(store, name, asked)
 
 
 @app.command("revoke")

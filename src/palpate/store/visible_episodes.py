@@ -48,6 +48,6 @@ def progress_of(store: Store, viewer: Viewer, key: UUID) -> Progress | None:
     episodes, steps = schema.episodes, schema.episode_steps.c
     lines = select(func.count()).where(steps.episode_id == episodes.c.id).scalar_subquery()
     asked = select(lines, episodes.c.stop).where(episodes.c.uuid == key.bytes, viewer.of(episodes))
-    with store.engine.connect() as connection:
+    with reading(store.engine) as connection:
         row = connection.execute(asked).first()
     return None if row is None else Progress(row[0], row[1])

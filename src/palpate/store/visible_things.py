@@ -21,6 +21,7 @@ __all__ = [
     "ThingFilter",
     "ThingPage",
     "count_things",
+    "is_all_theirs",
     "list_visible_things",
     "rows_of",
     "things_by_name",
@@ -128,6 +129,17 @@ def visible_thing(store: Store, viewer: Viewer, dataset: str, name: str) -> Thin
         for thing in things_where(connection, is_thing(ThingRef(dataset, name)) & seen):
             return _as_seen(connection, viewer, thing)
     return None
+
+
+def is_all_theirs(store: Store, name: str, thing: ThingRef) -> bool:
+    """Whether each recording of an object, and of those merged into it, is somebody's; no where there is none."""
+    recordings = schema.recordings.c
+    asked = select(func.count(), func.count().filter(recordings.owner == name)).where(
+        recordings.thing_id.in_(rows_of(thing))
+    )
+    with reading(store.engine) as connection:
+        count, own = connection.execute(asked).one()
+    return bool(count) and bool(count == own)
 
 
 def rows_of(thing: ThingRef) -> Select[int]:

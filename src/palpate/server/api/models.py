@@ -9,6 +9,7 @@ from uuid import UUID
 from pydantic import BaseModel, ConfigDict
 
 __all__ = [
+    "Change",
     "Device",
     "Entry",
     "EntryRow",
@@ -283,6 +284,17 @@ class Property(Strict):
     name: str
     unit: str | None
     entries: int
+
+
+class Change(Strict):
+    """A change of an object: what was there before and after, and whether it was taken back."""
+
+    at: datetime
+    who: str | None
+    what: str
+    detail: Any
+    undone_at: datetime | None
+    undone_by: str | None
 
 
 class Receipt(Strict):

@@ -9,6 +9,7 @@ from fastapi import Depends, Path, Request
 
 from palpate.server.names import unescape
 from palpate.server.problems import problem
+from palpate.server.security.accounts import Account
 from palpate.server.security.who import Who
 from palpate.server.state import state_of
 from palpate.store.parts import Head, head_of
@@ -16,7 +17,7 @@ from palpate.store.store import Store
 from palpate.store.things import Thing
 from palpate.store.visible_things import visible_thing
 
-__all__ = ["Place", "SeenRecording", "SeenThing", "StoreOf"]
+__all__ = ["Place", "SeenRecording", "SeenThing", "StoreOf", "seen_thing"]
 
 Place = Annotated[int, Path(ge=0, le=1_000_000)]
 DIGEST_LETTERS = 64
@@ -47,7 +48,11 @@ SeenRecording = Annotated[Head, Depends(_recording)]
 
 
 def _thing(store: StoreOf, who: Who, dataset: str, name: str) -> Thing:
-    dataset, name = unescape(dataset), unescape(name)
+    return seen_thing(store, who, unescape(dataset), unescape(name))
+
+
+def seen_thing(store: Store, who: Account, dataset: str, name: str) -> Thing:
+    """The object of a dataset and a name, or a 404."""
     found = None if "\0" in dataset + name else visible_thing(store, who.viewer, dataset, name)
     if found is None:
         raise problem(404, f"object {dataset}/{name}: there is none, or none that you may see")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from hmac import compare_digest
-from urllib.parse import urlsplit
 
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
@@ -13,6 +12,7 @@ from palpate.server.example import add_example
 from palpate.server.pages.templates import page
 from palpate.server.problems import problem
 from palpate.server.security.accounts import Role
+from palpate.server.security.sites import check_same_site
 from palpate.server.security.who import COOKIE, Who
 from palpate.server.state import state_of
 from palpate.store.counting import counted
@@ -65,10 +65,3 @@ def example(request: Request, store: StoreOf, who: Who) -> Response:
         raise problem(403, "the example data is for administrators to add")
     add_example(store)
     return RedirectResponse("/", 303)
-
-
-def check_same_site(request: Request) -> None:
-    """Refuse a form that stands on a page of somebody else."""
-    origin = request.headers.get("origin")
-    if origin is None or urlsplit(origin).netloc != request.headers.get("host"):
-        raise problem(403, "origin: this form was sent from another site")

@@ -14,6 +14,7 @@ from markupsafe import Markup
 from palpate.network.units import unit_of
 from palpate.server.api.parameters import SeenThing, StoreOf
 from palpate.server.api.queries import ObjectQuery
+from palpate.server.corrections import may_change
 from palpate.server.pages.templates import page
 from palpate.server.plots.points import points_plot
 from palpate.server.security.who import Who
@@ -70,6 +71,7 @@ def one(request: Request, store: StoreOf, who: Who, thing: SeenThing) -> HTMLRes
         request,
         "object.html",
         thing=thing,
+        may_change=may_change(store, who, thing.ref),
         properties=[_about(name, results, thing) for name in names],
         recordings=list_recordings(store, VisibleFilter(thing=thing.path, viewer=who.viewer), limit=20),
         episodes=list_episodes(store, thing=thing.path, viewer=who.viewer, limit=10).rows,

@@ -7,12 +7,23 @@ from starlette.responses import Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
-from palpate.server.pages import comparing, devices, episodes, guides, home, live, objects, recordings
+from palpate.server.pages import (
+    comparing,
+    devices,
+    editing,
+    episodes,
+    guides,
+    home,
+    live,
+    objects,
+    recordings,
+    sessions,
+)
 from palpate.server.pages.templates import STATIC
 
 __all__ = ["install"]
 
-PARTS = (home, objects, recordings, devices, comparing, live, episodes, guides)
+PARTS = (home, editing, objects, recordings, devices, comparing, live, episodes, guides, sessions)
 
 
 class Assets(StaticFiles):

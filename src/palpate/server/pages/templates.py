@@ -17,6 +17,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from palpate import __version__
 from palpate.server.names import thing_address
 from palpate.server.plots.drawing import number
+from palpate.server.security.accounts import Account
 from palpate.store.entries import Bound, Distribution, Entry, Interval, Value
 from palpate.store.records import ThingRef
 
@@ -28,8 +29,9 @@ STATIC = Path(__file__).parents[1] / "static"
 def page(
     request: Request, template: str, status: int = 200, headers: Mapping[str, str] | None = None, **values: Any
 ) -> HTMLResponse:
-    """A page from a template; ``path`` is where it is, and ``query`` what was asked, in every one of them."""
-    given = {"path": request.url.path, "query": dict(request.query_params), **values}
+    """A page from a template; ``path``, ``query`` and ``account`` tell each what was asked, and by whom."""
+    account = getattr(request.state, "account", Account())
+    given = {"path": request.url.path, "query": dict(request.query_params), "account": account, **values}
     return HTMLResponse(_environment().get_template(template).render(given), status, headers)
 
 

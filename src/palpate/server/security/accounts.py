@@ -16,6 +16,7 @@ from typing import Any
 from sqlalchemy import insert, select, update
 
 from palpate.errors import choices
+from palpate.server.security.passwords import hashed, is_password
 from palpate.store import schema
 from palpate.store.database import changing
 from palpate.store.errors import StoreError
@@ -32,8 +33,11 @@ __all__ = [
     "User",
     "account_of",
     "add_user",
+    "end",
     "issue",
+    "log_in",
     "revoke",
+    "set_password",
     "set_role",
     "tokens",
     "users",
@@ -41,6 +45,7 @@ __all__ = [
 
 PREFIX = "palpate_"
 """Begins each token, so that one that was published by mistake can be found."""
+SESSION_DAYS = 0.5
 MICROSECONDS_PER_DAY = 86_400_000_000
 
 
@@ -181,6 +186,31 @@ def issue(store: Store, name: str, role: Role | None = None, *, days: float | No
         expires = None if days is None else now + int(days * MICROSECONDS_PER_DAY)
         connection.execute(insert(schema.tokens).values(**token, expires_us=expires))
     return secret
+
+
+def set_password(store: Store, name: str, password: str) -> None:
+    """Give an account a password, with which its pages are opened in a browser."""
+    kept = hashed(password)
+    with changing(store.engine) as connection:
+        done = connection.execute(update(schema.users).where(schema.users.c.name == name).values(password_hash=kept))
+        if not done.rowcount:
+            raise _no_account(name)
+
+
+def log_in(store: Store, name: str, password: str) -> str | None:
+    """A token for a browser, for half a day; None where the name or the password is wrong, and nobody learns which."""
+    columns = schema.users.c
+    with store.engine.connect() as connection:
+        kept = connection.scalar(select(columns.password_hash).where(columns.name == name))
+    return issue(store, name, days=SESSION_DAYS) if is_password(password, kept) else None
+
+
+def end(store: Store, secret: str) -> None:
+    """End a token by itself, as when somebody logs out; nothing happens where it has ended."""
+    columns = schema.tokens.c
+    holds = (columns.digest == digest_of(secret), columns.revoked_us.is_(None))
+    with changing(store.engine) as connection:
+        connection.execute(update(schema.tokens).where(*holds).values(revoked_us=now_us()))
 
 
 def revoke(store: Store, token: int, *, user: str | None = None) -> None:

@@ -10,11 +10,12 @@ from fastapi import Depends, Request
 
 from palpate.server.problems import problem
 from palpate.server.security.accounts import Account, Role, account_of
+from palpate.server.security.sites import check_same_site
 from palpate.server.state import state_of
 
-__all__ = ["COOKIE", "Who", "needs"]
+__all__ = ["COOKIE", "SESSION", "Who", "needs"]
 
-COOKIE = "palpate-key"
+COOKIE, SESSION = "palpate-key", "palpate-session"
 HOST_NAME = "owner of the store"
 """Whoever started the server, on their own computer."""
 
@@ -24,22 +25,34 @@ def account(request: Request) -> Account:
 
     A token that does not hold is an error also where none is needed: who sends one should learn that it has expired.
     """
+    found = _account(request)
+    # pages tell it
+    request.state.account = found
+    return found
+
+
+def _account(request: Request) -> Account:
     scheme, _, secret = request.headers.get("authorization", "").partition(" ")
     if scheme:
         return _by_token(request, scheme, secret.strip())
     key, given = state_of(request).settings.key, request.cookies.get(COOKIE)
     if key is not None and given is not None and compare_digest(key.encode(), given.encode()):
         return Account(HOST_NAME, Role.ADMIN)
-    return Account()
+    session = request.cookies.get(SESSION)
+    # a session that has ended is nobody's: the page says so by asking to log in
+    return (account_of(state_of(request).store, session) if session else None) or Account()
 
 
 Who = Annotated[Account, Depends(account)]
 
 
-def needs(role: Role) -> Callable[[Account], Account]:
+def needs(role: Role) -> Callable[..., Account]:
     """A dependency that lets nobody with a lesser role do something."""
 
-    def checked(who: Who) -> Account:
+    def checked(request: Request, who: Who) -> Account:
+        # a browser sends cookies along whoever has written the page
+        if request.method not in ("GET", "HEAD") and "authorization" not in request.headers and request.cookies:
+            check_same_site(request)
         if who.role is Role.NOBODY:
             raise problem(
                 401, "a token is needed: send 'Authorization: Bearer ...'", headers={"WWW-Authenticate": "Bearer"}
