@@ -218,6 +218,7 @@ def test_no_address_was_forgotten(client: TestClient, world: World) -> None:
     corrections = {(method.lower(), f"{thing}{path.partition('?')[0]}") for method, path, _ in OPERATIONS}
     assert others == {
         ("put", f"{API}/recordings/{{digest}}"),
+        ("post", f"{API}/recordings"),
         ("delete", f"{API}/tokens/{{id}}"),
         *(one for one in corrections if one[0] != "get"),
     }

@@ -111,7 +111,7 @@ def list_visible_things(
     with reading(store.engine) as connection:
         rows = list(connection.scalars(asked))
         found = sorted(things_where(connection, columns.id.in_(rows)), key=lambda one: (one.ref.dataset, one.ref.id))
-        seen = [_as_seen(connection, viewer, thing) for thing in found]
+        seen = _as_seen(connection, viewer, found)
     end = _cursor(found[-1].ref) if found and len(found) == limit else None
     return ThingPage(tuple(seen), end)
 
@@ -126,9 +126,8 @@ def visible_thing(store: Store, viewer: Viewer, dataset: str, name: str) -> Thin
     """The object of a dataset and a name, or None where there is none to see."""
     seen = or_(viewer.things(), schema.things.c.id.in_(viewer.heads()))
     with reading(store.engine) as connection:
-        for thing in things_where(connection, is_thing(ThingRef(dataset, name)) & seen):
-            return _as_seen(connection, viewer, thing)
-    return None
+        found = list(things_where(connection, is_thing(ThingRef(dataset, name)) & seen))
+        return next(iter(_as_seen(connection, viewer, found)), None)
 
 
 def is_all_theirs(store: Store, name: str, thing: ThingRef) -> bool:
@@ -155,24 +154,33 @@ def _asked(viewer: Viewer, wanted: ThingFilter) -> Select[int]:
     return select(columns.id).where(*shown, *wanted.conditions(viewer))
 
 
-def _as_seen(connection: Connection, viewer: Viewer, thing: Thing) -> Thing:
-    """An object with what is merged into it and with its number of recordings as a viewer sees them."""
+def _as_seen(connection: Connection, viewer: Viewer, found: Sequence[Thing]) -> list[Thing]:
+    """Objects with what is merged into them and with their numbers of recordings as a viewer sees them."""
     if viewer.everything:
-        return thing
-    things, recordings = schema.things.c, schema.recordings
-    columns = (things.dataset, things.name)
-    merged = select(*columns).where(things.id.in_(rows_of(thing.ref)), viewer.things())
+        return list(found)
+    things, recordings, head = schema.things, schema.recordings, schema.things.alias("head")
+    joined = or_(things.c.id == head.c.id, things.c.merged_into == head.c.id)
+    named = (head.c.dataset, head.c.name)
+    those = tuple_(*named).in_([(one.ref.dataset, one.ref.id) for one in found])
+    merged = select(*named, things.c.dataset, things.c.name).join(head, joined).where(those, viewer.things())
     seen = {tuple(row) for row in connection.execute(merged)}
-    count = (
-        select(func.count())
+    counted = (
+        select(*named, func.count())
         .select_from(recordings)
-        .where(recordings.c.thing_id.in_(rows_of(thing.ref)), viewer.of(recordings))
+        .join(things, things.c.id == recordings.c.thing_id)
+        .join(head, joined)
+        .where(those, viewer.of(recordings))
+        .group_by(*named)
     )
-    return replace(
-        thing,
-        merged=tuple(one for one in thing.merged if (one.dataset, one.id) in seen),
-        recordings=connection.scalar(count) or 0,
-    )
+    counts = {(row[0], row[1]): row[2] for row in connection.execute(counted)}
+    return [
+        replace(
+            one,
+            merged=tuple(part for part in one.merged if (one.ref.dataset, one.ref.id, part.dataset, part.id) in seen),
+            recordings=counts.get((one.ref.dataset, one.ref.id), 0),
+        )
+        for one in found
+    ]
 
 
 def _cursor(thing: ThingRef) -> str:

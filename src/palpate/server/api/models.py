@@ -9,6 +9,7 @@ from uuid import UUID
 from pydantic import BaseModel, ConfigDict
 
 __all__ = [
+    "Batch",
     "Change",
     "Device",
     "Entry",
@@ -303,6 +304,31 @@ class Receipt(Strict):
     id: UUID
     digest: str
     new: bool
+
+
+class BatchField(Strict):
+    """A field that is wrong."""
+
+    field: str
+    detail: str
+
+
+class BatchItem(Strict):
+    """What became of one recording of a batch: 201 it is new, 200 it is known, 422 it is refused."""
+
+    source: str
+    status: Literal[200, 201, 422]
+    id: UUID | None
+    digest: str | None
+    new: bool
+    detail: str | None
+    errors: list[BatchField]
+
+
+class Batch(Strict):
+    """What became of each recording of a batch, in the order in which they came."""
+
+    items: list[BatchItem]
 
 
 class User(Strict):

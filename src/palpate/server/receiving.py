@@ -20,7 +20,7 @@ from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.importing.package import unpack
 from palpate.store.records import Receipt, Recording
 
-__all__ = ["receive", "spooled"]
+__all__ = ["check_owner", "check_parts", "receive", "spooled"]
 
 IN_MEMORY = 4 << 20
 MOST_PARTS = 10_000
@@ -53,7 +53,7 @@ def receive(state: State, who: Account, digest: str, package: IO[bytes]) -> Rece
     """Keep the recording of a package, once it is what it says and whose it says."""
     with TemporaryDirectory(prefix="palpate-upload-") as folder:
         try:
-            _check_parts(package)
+            check_parts(package)
             recording = unpack(package, Path(folder), largest_bytes=state.settings.largest_unpacked_bytes)
             _check(recording, who, digest)
             return state.store.put(recording)
@@ -78,6 +78,11 @@ def _told(error: StoreError, folder: str) -> StoreError:
 def _check(recording: Recording, who: Account, digest: str) -> None:
     if recording.digest != digest:
         raise StoreError(f"digest: the package holds the recording {recording.digest}, expected {digest}")
+    check_owner(recording, who)
+
+
+def check_owner(recording: Recording, who: Account) -> None:
+    """Refuse what is sent in the name of somebody else, and what nobody could see; administrators move whole stores."""
     if who.role >= Role.ADMIN:
         return
     if recording.owner is None and recording.visibility == "private":
@@ -86,7 +91,7 @@ def _check(recording: Recording, who: Account, digest: str) -> None:
         raise StoreError(f"owner: found {recording.owner!r}, expected {who.name!r}, whose token this is")
 
 
-def _check_parts(package: IO[bytes]) -> None:
+def check_parts(package: IO[bytes]) -> None:
     """Refuse a package of very many files before its directory is read into memory."""
     size = package.seek(0, 2)
     package.seek(max(0, size - LONGEST_END))
