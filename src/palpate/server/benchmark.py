@@ -13,7 +13,7 @@ from palpate.store.entries import Value
 from palpate.store.store import Store
 from palpate.store.things import Thing
 from palpate.store.viewing import Viewer
-from palpate.store.visible_results import Result, results_of_property
+from palpate.store.visible_results import Group, groups_of_property
 from palpate.store.visible_things import things_by_name
 
 __all__ = ["Agreement", "DeviceError", "agreements"]
@@ -67,19 +67,31 @@ class Agreement:
 
 def agreements(store: Store, viewer: Viewer, property: str) -> Agreement:
     """Compare all that measured a property; results that are known to be true are the measure, and not compared."""
-    results = [one for one in results_of_property(store, viewer, property) if one.value is not None]
-    unit = results[0].unit or "" if results else ""
-    groups: dict[tuple[str, ThingKey], list[float]] = defaultdict(list)
-    for one in results:
+    unit, groups = groups_of_property(store, viewer, property)
+    measured: dict[tuple[str, ThingKey], list[Group]] = defaultdict(list)
+    for one in groups:
         if not one.ground_truth:
-            groups[one.measured_by, (one.dataset, one.thing)].append(one.value or 0.0)
-    known = _truths(store, viewer, property, unit, results)
-    cells = tuple(
-        Cell(device, *key, len(values), fmean(values), stdev(values) if len(values) > 1 else None, known.get(key))
-        for (device, key), values in sorted(groups.items())
-    )
+            measured[one.measured_by, (one.dataset, one.thing)].append(one)
+    known = _truths(store, viewer, property, unit, groups)
+    cells = tuple(_cell(device, key, own, known.get(key)) for (device, key), own in sorted(measured.items(), key=_name))
     devices = tuple(_errors(name, cells) for name in sorted({cell.device for cell in cells}))
     return Agreement(property, unit, cells, devices)
+
+
+def _name(item: tuple[tuple[str, ThingKey], list[Group]]) -> tuple[str, ThingKey]:
+    return item[0]
+
+
+def _cell(device: str, key: ThingKey, groups: Sequence[Group], truth: float | None) -> Cell:
+    """Setups of one device together."""
+    count, mean = _together(groups)
+    squares = sum(one.squares + one.count * (one.mean - mean) ** 2 for one in groups)
+    return Cell(device, *key, count, mean, sqrt(squares / (count - 1)) if count > 1 else None, truth)
+
+
+def _together(groups: Sequence[Group]) -> tuple[int, float]:
+    count = sum(one.count for one in groups)
+    return count, sum(one.count * one.mean for one in groups) / count
 
 
 def _errors(device: str, cells: Sequence[Cell]) -> DeviceError:
@@ -91,15 +103,15 @@ def _errors(device: str, cells: Sequence[Cell]) -> DeviceError:
 
 
 def _truths(
-    store: Store, viewer: Viewer, property: str, unit: str, results: Sequence[Result]
+    store: Store, viewer: Viewer, property: str, unit: str, groups: Sequence[Group]
 ) -> Mapping[ThingKey, float]:
     """The true value of each object: what is said of it first, else the mean of recordings that are ground truth."""
-    true: dict[ThingKey, list[float]] = defaultdict(list)
-    for one in results:
+    true: dict[ThingKey, list[Group]] = defaultdict(list)
+    for one in groups:
         if one.ground_truth:
-            true[one.dataset, one.thing].append(one.value or 0.0)
-    found = {key: fmean(values) for key, values in true.items()}
-    keys = {(one.dataset, one.thing) for one in results}
+            true[one.dataset, one.thing].append(one)
+    found = {key: _together(own)[1] for key, own in true.items()}
+    keys = {(one.dataset, one.thing) for one in groups}
     for key, thing in things_by_name(store, viewer, keys).items():
         said = _said(thing, property, unit)
         if said is not None:

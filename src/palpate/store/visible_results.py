@@ -8,7 +8,7 @@ from datetime import datetime, timedelta
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import select
+from sqlalchemy import Select, and_, func, select
 
 from palpate.network.units import unit_of
 from palpate.store import schema
@@ -20,7 +20,7 @@ from palpate.store.store import Store
 from palpate.store.viewing import Viewer
 from palpate.store.visible_things import rows_of
 
-__all__ = ["Result", "results_of", "results_of_property"]
+__all__ = ["Group", "Result", "groups_of_property", "results_of"]
 
 
 @dataclass(frozen=True)
@@ -61,12 +61,73 @@ def results_of(store: Store, viewer: Viewer, thing: ThingRef) -> tuple[Result, .
     return tuple(_results(store, viewer, schema.entries.c.thing_id.in_(rows_of(thing))))
 
 
-def results_of_property(store: Store, viewer: Viewer, property: str, *, limit: int = 20_000) -> tuple[Result, ...]:
-    """The results of a property, the first measured first; of the last ones where there are more than `limit`."""
-    return tuple(_results(store, viewer, schema.entries.c.property == property, limit))
+@dataclass(frozen=True)
+class Group:
+    """The values that one setup measured of one object: how many, their mean, and the sum of squares about it.
+
+    In the unit that the property was first given in; `ground_truth` where they are known to be true.
+    """
+
+    dataset: str
+    thing: str
+    measured_by: str
+    ground_truth: bool
+    count: int
+    mean: float
+    squares: float
 
 
-def _results(store: Store, viewer: Viewer, condition: Any, limit: int | None = None) -> Iterator[Result]:
+def groups_of_property(store: Store, viewer: Viewer, property: str) -> tuple[str, tuple[Group, ...]]:
+    """The unit of a property, and its values by object, setup, and whether they are known to be true.
+
+    What was measured of objects merged into another one counts as that one's.
+    """
+    setups, things = schema.setups, schema.things
+    groups = _groups(viewer, property).subquery()
+    asked = (
+        select(groups, setups.c.digest, setups.c.document, things.c.dataset, things.c.name)
+        .join(setups, setups.c.id == groups.c.setup_id)
+        .join(things, things.c.id == groups.c.head)
+    )
+    with reading(store.engine) as connection:
+        unit = connection.scalar(select(schema.properties.c.unit).where(schema.properties.c.name == property)) or ""
+        rows = connection.execute(asked).all()
+        scale = unit_of(unit).factor if rows else 1.0
+        return unit, tuple(
+            Group(
+                dataset=row.dataset,
+                thing=row.name,
+                measured_by=_measured_by(setup_of(row.digest, row.document)),
+                ground_truth=bool(row.ground_truth),
+                count=row.number,
+                mean=row.mean / scale,
+                squares=row.squares / scale**2,
+            )
+            for row in rows
+        )
+
+
+def _groups(viewer: Viewer, property: str) -> Select[*tuple[Any, ...]]:
+    """Head, setup, truth, count, mean and squares; the mean first, so that no digits are lost in the squares."""
+    entries, recordings, things = schema.entries.c, schema.recordings, schema.things
+    head = func.coalesce(things.c.merged_into, things.c.id)
+    values = (
+        select(head.label("head"), entries.setup_id, recordings.c.ground_truth, entries.value_si)
+        .join(recordings, recordings.c.id == entries.recording_id)
+        .join(things, things.c.id == entries.thing_id)
+        .where(entries.property == property, entries.value_si.is_not(None), viewer.of(recordings))
+        .cte("measured")
+    )
+    keys = (values.c.head, values.c.setup_id, values.c.ground_truth)
+    means = select(*keys, func.count().label("number"), func.avg(values.c.value_si).label("mean")).group_by(*keys)
+    found = means.cte("means")
+    off = values.c.value_si - found.c.mean
+    columns = (*(found.c[key.name] for key in keys), found.c.number, found.c.mean)
+    same = and_(*(key == found.c[key.name] for key in keys))
+    return select(*columns, func.sum(off * off).label("squares")).join(values, same).group_by(*columns)
+
+
+def _results(store: Store, viewer: Viewer, condition: Any) -> Iterator[Result]:
     entries, recordings, things, setups = schema.entries, schema.recordings, schema.things, schema.setups
     head = things.alias("head")
     asked = (
@@ -86,7 +147,6 @@ def _results(store: Store, viewer: Viewer, condition: Any, limit: int | None = N
         .join(head, head.c.id == things.c.merged_into, isouter=True)
         .where(condition, viewer.of(recordings))
         .order_by(entries.c.recorded_us.desc(), entries.c.recording_id.desc(), entries.c.position.desc())
-        .limit(limit)
         .add_columns(things.c.dataset.label("own_dataset"), things.c.name.label("own_name"))
     )
     with reading(store.engine) as connection:
