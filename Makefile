@@ -15,11 +15,12 @@ export OPENBLAS_NUM_THREADS := 1
 export PYTHONNOUSERSITE := 1
 unexport PYTHONPATH
 
-.PHONY: help explore test lint docs bench lock clean
+.PHONY: help explore serve test lint docs bench lock clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make explore   explore two objects: a recorded banana, then a simulated trick object"
+	@echo "make serve     show a store with example data at http://127.0.0.1:8000/"
 	@echo "make test      formatting, lint, types, layers, tests, examples, documentation"
 	@echo "make docs      build the documentation in docs/_build/html"
 	@echo "make bench     measure speed and accuracy and print them as a table"
@@ -31,6 +32,10 @@ explore: $(VENV)/run.stamp
 	@$(BIN)/palpate explore banana_ycb --robot replay
 	@printf '\n== A simulated trick object: a wineglass that looks like glass and is plastic ==\n'
 	@$(BIN)/palpate explore wineglass_ycb --robot sampled --seed $(SEED)
+
+# What is served needs more than exploring does; its versions are those of the development tools.
+serve: $(VENV)/serve.stamp
+	@$(BIN)/palpate serve --example --store $(VENV)/example.sqlite
 
 test: lint
 	@echo "== tests and examples"
@@ -58,6 +63,7 @@ lock: $(VENV)/run.stamp
 	@$(PIP) install uv
 	@$(LOCK) --upgrade pyproject.toml --group dev -o requirements/dev.txt
 	@$(LOCK) pyproject.toml --group build --extra store -c requirements/dev.txt -o requirements/run.txt
+	@$(LOCK) pyproject.toml --group build --extra store --extra server -c requirements/dev.txt -o requirements/serve.txt
 	@$(LOCK) pyproject.toml --group build --group bench --extra store -c requirements/dev.txt -o requirements/bench.txt
 
 clean:
@@ -79,6 +85,11 @@ $(VENV)/run.stamp: requirements/run.txt pyproject.toml
 $(VENV)/dev.stamp: requirements/dev.txt $(VENV)/run.stamp
 	@echo "Adding the development tools to $(VENV) (a minute, once) ..."
 	@$(PIP) install -r requirements/dev.txt
+	@touch $@
+
+$(VENV)/serve.stamp: requirements/serve.txt $(VENV)/run.stamp
+	@echo "Adding what the server needs to $(VENV) (a minute, once) ..."
+	@$(PIP) install -r requirements/serve.txt
 	@touch $@
 
 $(VENV)/bench.stamp: requirements/bench.txt $(VENV)/dev.stamp

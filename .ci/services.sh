@@ -40,6 +40,17 @@ END
     export PALPATE_TEST_POSTGRESQL_RESTART="$services/control restart"
 }
 
+# The browser tests take it from the path.
+install_chromium() {
+    [ -z "$(command -v chromium)" ] || return 0
+    echo "== installing Chromium"
+    apt-get update -qq
+    DEBIAN_FRONTEND=noninteractive apt-get install -y -qq chromium > "$services/apt.log" 2>&1 || {
+        cat "$services/apt.log" >&2
+        return 1
+    }
+}
+
 start_s3() {
     echo "== starting an S3-compatible store"
     local port

@@ -37,7 +37,7 @@ class Handler(BaseHTTPRequestHandler):
         if self.server.answers:
             self.reply(*self.server.answers.pop(0))
         elif self.headers["Authorization"] != "Bearer right":
-            self.reply(401, b'{"error": "the token is not known"}')
+            self.reply(401, b'{"detail": "the token is not known"}')
         else:
             self.keep(body)
 
@@ -91,9 +91,9 @@ def test_the_same_again_is_no_second_one(server: StubServer) -> None:
 @pytest.mark.parametrize(
     ("code", "body", "error", "told"),
     [
-        (401, b'{"error": "the token is not known"}', NotAllowedError, "the token is not known"),
+        (401, b'{"detail": "the token is not known"}', NotAllowedError, "the token is not known"),
         (403, b"", NotAllowedError, "PALPATE_TOKEN"),
-        (422, b'{"error": "entries[0].unit: is odd"}', RefusedError, "is odd"),
+        (422, b'{"detail": "entries[0].unit: is odd"}', RefusedError, "is odd"),
         (500, b"<html>", UnreachableError, "answered 500"),
         (429, b"{}", UnreachableError, "answered 429"),
         (307, b"", UnreachableError, "answered 307"),

@@ -2,7 +2,8 @@
 
 A recording is sent by ``PUT <server>/recordings/<digest>`` with its package (`palpate.store.importing.package`) as the
 body and the token as ``Authorization: Bearer <token>``. The answer, 200 where the server has had it already and
-201 where it is new, is JSON: ``{"id": ..., "digest": ..., "new": ...}``. A refusal is ``{"error": "one sentence"}``.
+201 where it is new, is JSON: ``{"id": ..., "digest": ..., "new": ...}``. A refusal is a problem (RFC 9457) whose
+``detail`` is one sentence.
 """
 
 from __future__ import annotations
@@ -64,7 +65,7 @@ class HttpReceiver:
     Parameters
     ----------
     url
-        Address of the server, such as ``https://measurements.example.org/api``.
+        Address of the service, such as ``https://measurements.example.org/api/v1``.
     token
         Says who is sending; the environment variable ``PALPATE_TOKEN`` unless given. It goes to no other address.
     timeout_s
@@ -155,5 +156,5 @@ def _said(answer: bytes) -> str:
         plain = json.loads(answer)
     except (RecursionError, ValueError):
         return ""
-    said = plain.get("error") if isinstance(plain, dict) else None
+    said = plain.get("detail") if isinstance(plain, dict) else None
     return said if isinstance(said, str) else ""

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from palpate.cli import benchmark, calibrate, episode, explore, infer, network, reproduce, spool, store
+from palpate.cli import benchmark, calibrate, episode, explore, infer, network, reproduce, serve, spool, store, user
 
 __all__ = ["app"]
 
@@ -21,10 +21,12 @@ app.command("calibrate")(calibrate.calibrate)
 app.command("explore")(explore.explore)
 app.command("infer")(infer.infer)
 app.command("reproduce")(reproduce.reproduce)
+app.command("serve")(serve.serve)
 app.add_typer(network.app, name="network")
 app.add_typer(episode.app, name="episode")
 app.add_typer(spool.app, name="spool")
 app.add_typer(store.app, name="store")
+app.add_typer(user.app, name="user")
 
 
 @app.callback(invoke_without_command=True)

@@ -16,6 +16,7 @@ from palpate.store.filters import Cursor, Sort, moment_us, things_named
 from palpate.store.legible import reading
 from palpate.store.rows import EPOCH
 from palpate.store.store import Store
+from palpate.store.viewing import Viewer
 
 __all__ = ["EpisodePage", "ListedEpisode", "list_episodes"]
 
@@ -57,6 +58,7 @@ def list_episodes(
     dataset: str | None = None,
     since: datetime | None = None,
     until: datetime | None = None,
+    viewer: Viewer | None = None,
     limit: int = 50,
     cursor: str | None = None,
 ) -> EpisodePage:
@@ -70,6 +72,8 @@ def list_episodes(
         The object, as in `palpate.store.filters.Filter`.
     since, until
         When they began, from the first to before the second.
+    viewer
+        Who looks; all are there unless given.
     limit, cursor
         Rows of a page, and the cursor of the page before.
 
@@ -87,6 +91,8 @@ def list_episodes(
         .order_by(episodes.c.started_us.desc(), episodes.c.id.desc())
         .limit(limit)
     )
+    if viewer is not None:
+        asked = asked.where(viewer.of(episodes))
     if after is not None:
         asked = asked.where(tuple_(episodes.c.started_us, episodes.c.id) < tuple_(after.value, after.row))
     with reading(store.engine) as connection:

@@ -1,0 +1,124 @@
+"""`palpate user`: accounts of a server, and their tokens."""
+
+from __future__ import annotations
+
+import json
+import sys
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from palpate.cli.spreading import spread
+from palpate.cli.store_options import Place
+
+__all__ = ["app"]
+
+app = typer.Typer(help="Accounts of a server, and their tokens.")
+Name = Annotated[str, typer.Argument(metavar="NAME", help="The account; recordings of this owner are theirs.")]
+
+
+class RoleName(StrEnum):
+    """What an account may do; each may do what those before it may."""
+
+    READER = "reader"
+    OWNER = "owner"
+    CURATOR = "curator"
+    ADMIN = "admin"
+
+
+RoleOption = Annotated[RoleName, typer.Option(help="What they may do; each may do what those before it may.")]
+
+
+@app.callback()
+def user() -> None:
+    """Accounts of a server, and their tokens."""
+    from palpate.cli.storing import check_installed
+
+    check_installed()
+
+
+@app.command("add")
+@spread
+def add(
+    place: Place,
+    name: Name,
+    role: RoleOption = RoleName.OWNER,
+    email: Annotated[str | None, typer.Option(help="For people who run the server.")] = None,
+) -> None:
+    """Make an account, and print a token for it, which nobody can tell again."""
+    from palpate.server.security.accounts import Role, add_user, issue
+
+    with place.opened(make=True) as store:
+        add_user(store, name, Role.parse(role.value), email)
+        print(issue(store, name))
+
+
+@app.command("role")
+@spread
+def role(place: Place, name: Name, role: Annotated[RoleName, typer.Argument(help="What they may do now.")]) -> None:
+    """Let an account do more or less; its tokens with it."""
+    from palpate.server.security.accounts import Role, set_role
+
+    with place.opened() as store:
+        set_role(store, name, Role.parse(role.value))
+
+
+@app.command("token")
+@spread
+def token(
+    place: Place,
+    name: Name,
+    role: Annotated[
+        RoleName | None, typer.Option(help="What it may do at most; all that they may unless given.")
+    ] = None,
+    days: Annotated[float, typer.Option(help="After how many days it expires.")] = 365.0,
+) -> None:
+    """Print a new token, which nobody can tell again."""
+    from palpate.server.security.accounts import Role, issue
+
+    with place.opened() as store:
+        print(issue(store, name, None if role is None else Role.parse(role.value), days=days))
+
+
+@app.command("password")
+@spread
+def password(place: Place, name: Name) -> None:
+    """Give an account a password, to log in with a browser; it is asked for, or read from standard input."""
+    from palpate.server.security.accounts import set_password
+
+    asked = typer.prompt("Password", hide_input=True, confirmation_prompt=True) if sys.stdin.isatty() else input()
+    with place.opened() as store:
+        set_password(store, name, asked)
+
+
+@app.command("revoke")
+@spread
+def revoke(
+    place: Place, token: Annotated[int, typer.Argument(metavar="NUMBER", help="Of the list of tokens.")]
+) -> None:
+    """End a token at once."""
+    from palpate.server.security.accounts import revoke as end
+
+    with place.opened() as store:
+        end(store, token)
+
+
+@app.command("list")
+@spread
+def list_(place: Place, as_json: Annotated[bool, typer.Option("--json", help="JSON, for programs.")] = False) -> None:
+    """List accounts and their tokens."""
+    from palpate.server.security.accounts import tokens, users
+
+    with place.opened() as store:
+        found, held = users(store), tokens(store)
+    if as_json:
+        plain = {"users": [vars(one) for one in found], "tokens": [vars(one) for one in held]}
+        print(json.dumps(plain, default=str, indent=1))
+        return
+    for one in found:
+        print(f"{one.name}: {one.role}, since {one.created_at:%Y-%m-%d}{f', {one.email}' if one.email else ''}")
+        for token in held:
+            if token.user == one.name:
+                ends = f", expires {token.expires_at:%Y-%m-%d}" if token.expires_at else ""
+                print(f"  token {token.id}: {token.role}{', revoked' if token.revoked_at else ends}")

@@ -1,0 +1,1 @@
+"""The store as a web service and as pages."""

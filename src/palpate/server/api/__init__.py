@@ -1,0 +1,1 @@
+"""The service for programs: one module for each kind of thing."""

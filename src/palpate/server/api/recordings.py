@@ -1,0 +1,140 @@
+"""Recordings: lists, one of them, its files and its log; and uploading."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path as FilePath
+from tempfile import TemporaryDirectory
+from typing import IO, Annotated, Any
+
+from fastapi import APIRouter, Depends, Path, Query, Request
+from fastapi.concurrency import run_in_threadpool
+from fastapi.responses import PlainTextResponse, Response
+from starlette.datastructures import UploadFile
+
+from palpate.server.api import plain
+from palpate.server.api.answers import answer, page
+from palpate.server.api.downloads import download
+from palpate.server.api.models import Batch, File, Page, Receipt, Recording, RecordingRow
+from palpate.server.api.parameters import Place, SeenRecording, StoreOf
+from palpate.server.api.queries import RecordingQuery
+from palpate.server.batches import LINES, keep_batch
+from palpate.server.problems import Problem, problem
+from palpate.server.receiving import receive, spooled
+from palpate.server.security.accounts import Account, Role
+from palpate.server.security.who import Who, needs
+from palpate.server.state import state_of
+from palpate.store.listing import list_recordings
+from palpate.store.parts import file_of, log_of
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/recordings", tags=["recordings"])
+UPLOAD = {"application/zip": {"schema": {"type": "string", "format": "binary"}}}
+BATCH = {
+    "application/x-ndjson": {"schema": {"type": "string"}},
+    "multipart/form-data": {
+        "schema": {"type": "object", "additionalProperties": {"type": "string", "format": "binary"}}
+    },
+}
+MOST_PACKAGES = 1_000
+REFUSALS: dict[int | str, dict[str, Any]] = {status: {"model": Problem} for status in (401, 403, 408, 409, 413, 422)}
+
+
+@router.get("", response_model=Page[RecordingRow])
+def list_(request: Request, store: StoreOf, who: Who, query: Annotated[RecordingQuery, Query()]) -> Response:
+    """Recordings, the last recorded first unless sorted otherwise."""
+    wanted, sort = query.filter(who.viewer), query.sorting()
+    found = list_recordings(store, wanted, sort, limit=query.limit, cursor=query.cursor)
+    return page(request, query, map(plain.recording_row, found.rows), found.cursor)
+
+
+@router.get("/{key}", response_model=Recording)
+def get_recording(head: SeenRecording) -> Response:
+    """One recording by its id or its digest."""
+    return answer(plain.recording(head))
+
+
+@router.get("/{key}/files", response_model=Page[File])
+def list_files(head: SeenRecording) -> Response:
+    """All files of a recording."""
+    return answer({"items": plain.files(head), "next": None})
+
+
+@router.get("/{key}/files/{position}", response_class=Response)
+def get_file(request: Request, store: StoreOf, head: SeenRecording, position: Place) -> Response:
+    """What is in a file, or a part of it (header ``Range``)."""
+    data = file_of(store, head, position)
+    if data is None:
+        raise problem(404, f"recording {head.id}: has {len(head.files)} files, and none at {position}")
+    item = head.files[position]
+    return download(request, data, item.name, item.media_type, item.sha256)
+
+
+@router.get("/{key}/log", response_class=PlainTextResponse)
+def get_log(store: StoreOf, head: SeenRecording) -> Response:
+    """What the program printed."""
+    return PlainTextResponse(log_of(store, head), headers={"Content-Security-Policy": "default-src 'none'; sandbox"})
+
+
+@router.put(
+    "/{digest}",
+    response_model=Receipt,
+    responses={201: {"model": Receipt}, **REFUSALS},
+    openapi_extra={"requestBody": {"required": True, "content": UPLOAD}},
+)
+async def put_recording(
+    request: Request,
+    digest: Annotated[str, Path(pattern="^[0-9a-f]{64}$")],
+    who: Annotated[Account, Depends(needs(Role.OWNER))],
+) -> Response:
+    """Keep a recording: 201 where it is new, 200 where the store has it already.
+
+    The body is its package, a zip of the folder that a spool holds; the digest is that of the recording.
+    """
+    state = state_of(request)
+    async with spooled(request) as package:
+        receipt = await run_in_threadpool(receive, state, who, digest, package)
+    found = {"id": str(receipt.id), "digest": receipt.digest, "new": receipt.new}
+    return answer(found, 201 if receipt.new else 200, {"Location": f"{plain.ROOT}/recordings/{receipt.id}"})
+
+
+@router.post(
+    "",
+    response_model=Batch,
+    responses=REFUSALS,
+    openapi_extra={"requestBody": {"required": True, "content": BATCH}},
+)
+async def post_recordings(request: Request, who: Annotated[Account, Depends(needs(Role.OWNER))]) -> Response:
+    """Keep many recordings; the answer is 200, and has for each a status of its own, in the order in which they came.
+
+    The body has a recording in each line (``application/x-ndjson``), or is a form of packages
+    (``multipart/form-data``). What is sent again is known by its digest.
+    """
+    state, kind = state_of(request), request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    with TemporaryDirectory(prefix="palpate-upload-") as folder:
+        if kind == "application/x-ndjson":
+            files = [FilePath(folder) / LINES]
+            async with spooled(request) as body:
+                await run_in_threadpool(_save, body, files[0])
+        elif kind == "multipart/form-data":
+            files = await _packages(request, FilePath(folder))
+        else:
+            raise problem(415, f"content-type: found {kind[:60]!r}, expected {' or '.join(BATCH)}")
+        return answer({"items": await run_in_threadpool(keep_batch, state, who, files)})
+
+
+async def _packages(request: Request, folder: FilePath) -> list[FilePath]:
+    """The files of a form, under their places: names that somebody sends are no names of ours."""
+    files = []
+    async with request.form(max_files=MOST_PACKAGES, max_fields=0) as form:
+        for place, (_, part) in enumerate(form.multi_items()):
+            if isinstance(part, UploadFile):
+                files.append(folder / f"package {place + 1}")
+                await run_in_threadpool(_save, part.file, files[-1])
+    return files
+
+
+def _save(body: IO[bytes], path: FilePath) -> None:
+    with path.open("xb") as opened:
+        shutil.copyfileobj(body, opened)

@@ -1,0 +1,54 @@
+"""Accounts and tokens: one's own, and for administrators all."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends
+from fastapi.responses import Response
+
+from palpate.server.api.answers import answer
+from palpate.server.api.models import Page, Token, User
+from palpate.server.api.parameters import Place, StoreOf
+from palpate.server.api.plain import moment
+from palpate.server.problems import problem
+from palpate.server.security import accounts
+from palpate.server.security.accounts import Account, Role
+from palpate.server.security.who import needs
+from palpate.store.errors import StoreError, UnavailableError
+
+__all__ = ["router"]
+
+router = APIRouter(tags=["users"])
+Somebody = Annotated[Account, Depends(needs(Role.READER))]
+Administrator = Annotated[Account, Depends(needs(Role.ADMIN))]
+
+
+@router.get("/users", response_model=Page[User])
+def list_users(store: StoreOf, _: Administrator) -> Response:
+    """All accounts."""
+    items = [{**vars(one), "created_at": moment(one.created_at)} for one in accounts.users(store)]
+    return answer({"items": items, "next": None})
+
+
+@router.get("/tokens", response_model=Page[Token])
+def list_tokens(store: StoreOf, who: Somebody) -> Response:
+    """One's own tokens, without their secrets; for administrators all."""
+    found = accounts.tokens(store, None if who.role is Role.ADMIN else who.name)
+    items = [{**vars(one), **{name: moment(getattr(one, name)) for name in MOMENTS}} for one in found]
+    return answer({"items": items, "next": None})
+
+
+@router.delete("/tokens/{id}", status_code=204)
+def revoke_token(store: StoreOf, who: Somebody, id: Place) -> Response:
+    """End a token at once: one of one's own, or as an administrator any."""
+    try:
+        accounts.revoke(store, id, user=None if who.role is Role.ADMIN else who.name)
+    except UnavailableError:
+        raise
+    except StoreError as error:
+        raise problem(404, str(error)) from None
+    return Response(status_code=204)
+
+
+MOMENTS = ("created_at", "expires_at", "revoked_at")

@@ -1,0 +1,88 @@
+"""The application: a store and settings become what a server runs."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+from fastapi import APIRouter, FastAPI
+from starlette.middleware import Middleware
+
+from palpate import __version__
+from palpate.server import watching
+from palpate.server.api import corrections, episodes, objects, recordings, results, series, setups, users
+from palpate.server.pages import site
+from palpate.server.problems import Problem, Unexpected, install
+from palpate.server.security.bodies import BodyLimits
+from palpate.server.security.headers import SecurityHeaders
+from palpate.server.security.hosts import KnownHosts
+from palpate.server.security.rates import Rate, RateLimit
+from palpate.server.settings import Settings
+from palpate.server.state import State
+from palpate.store.opening import open_store
+from palpate.store.store import Store
+
+__all__ = ["application", "from_environment"]
+
+API = "/api/v1"
+PARTS = (corrections, objects, recordings, series, results, setups, episodes, users)
+PROBLEMS: dict[int | str, dict[str, Any]] = {status: {"model": Problem} for status in (401, 403, 404, 422, 429, 503)}
+BURST_S = 20.0
+"""An address may ask at once what it may ask in so many seconds."""
+ABOUT = "Measurements of the physical properties of objects: what was measured, with what, and how sure it is."
+
+
+def application(store: Store, settings: Settings | None = None) -> FastAPI:
+    """Make the application of a store; it closes the store when it stops."""
+    settings = settings or Settings()
+
+    @asynccontextmanager
+    async def open_until_stopped(_: FastAPI) -> AsyncIterator[None]:
+        yield
+        store.close()
+
+    app = FastAPI(
+        title="Palpate",
+        version=__version__,
+        description=ABOUT,
+        # pages that FastAPI has for it take their scripts from elsewhere
+        docs_url=None,
+        redoc_url=None,
+        openapi_url=f"{API}/openapi.json",
+        lifespan=open_until_stopped,
+        middleware=_middleware(settings),
+    )
+    app.state.palpate = State(store, settings)
+    install(app)
+    app.include_router(watching.router)
+    service = APIRouter(prefix=API, responses=PROBLEMS)
+    for part in PARTS:
+        service.include_router(part.router)
+    app.include_router(service)
+    site.install(app)
+    return app
+
+
+def from_environment() -> FastAPI:
+    """The application that the environment describes: what each worker runs."""
+    settings = Settings.from_environment()
+    return application(open_store(settings.place, settings.blobs), settings)
+
+
+def _middleware(settings: Settings) -> list[Middleware]:
+    """From the outside to the inside."""
+
+    def largest(method: str, path: str) -> int:
+        uploads = method in ("PUT", "POST") and path.startswith(f"{API}/recordings")
+        return settings.largest_upload_bytes if uploads else settings.largest_body_bytes
+
+    found = [
+        Middleware(watching.Watching),
+        Middleware(SecurityHeaders, secure=settings.secure),
+        Middleware(KnownHosts, hosts=settings.hosts),
+    ]
+    if settings.requests_per_s is not None:
+        rate = Rate(settings.requests_per_s, round(BURST_S * settings.requests_per_s) or 1)
+        found.append(Middleware(RateLimit, rate=rate))
+    return [*found, Middleware(Unexpected), Middleware(BodyLimits, largest=largest)]

@@ -1,0 +1,127 @@
+"""How well what measures agrees with what is known, and with others: computed from results that are seen."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import sqrt
+from statistics import fmean, stdev
+
+from palpate.network.units import unit_of
+from palpate.store.entries import Value
+from palpate.store.store import Store
+from palpate.store.things import Thing
+from palpate.store.viewing import Viewer
+from palpate.store.visible_results import Group, groups_of_property
+from palpate.store.visible_things import things_by_name
+
+__all__ = ["Agreement", "DeviceError", "agreements"]
+
+ThingKey = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What one device measured of one object: mean, SD (n - 1) and count; the true value where one is known."""
+
+    device: str
+    dataset: str
+    thing: str
+    count: int
+    mean: float
+    sd: float | None
+    truth: float | None
+
+    @property
+    def error(self) -> float | None:
+        """How far the mean is from the truth."""
+        return None if self.truth is None else self.mean - self.truth
+
+
+@dataclass(frozen=True)
+class DeviceError:
+    """Errors of one device over the objects of which the truth is known: mean (bias) and root mean square; counts."""
+
+    device: str
+    objects: int
+    values: int
+    bias: float | None
+    rms: float | None
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """One property: a cell for each device and object, and the errors of each device."""
+
+    property: str
+    unit: str
+    cells: tuple[Cell, ...]
+    devices: tuple[DeviceError, ...]
+
+    def between_sd(self, dataset: str, thing: str) -> float | None:
+        """SD (n - 1) of the means of the devices that measured an object; None where it was one."""
+        means = [cell.mean for cell in self.cells if (cell.dataset, cell.thing) == (dataset, thing)]
+        return stdev(means) if len(means) > 1 else None
+
+
+def agreements(store: Store, viewer: Viewer, property: str) -> Agreement:
+    """Compare all that measured a property; results that are known to be true are the measure, and not compared."""
+    unit, groups = groups_of_property(store, viewer, property)
+    measured: dict[tuple[str, ThingKey], list[Group]] = defaultdict(list)
+    for one in groups:
+        if not one.ground_truth:
+            measured[one.measured_by, (one.dataset, one.thing)].append(one)
+    known = _truths(store, viewer, property, unit, groups)
+    cells = tuple(_cell(device, key, own, known.get(key)) for (device, key), own in sorted(measured.items(), key=_name))
+    devices = tuple(_errors(name, cells) for name in sorted({cell.device for cell in cells}))
+    return Agreement(property, unit, cells, devices)
+
+
+def _name(item: tuple[tuple[str, ThingKey], list[Group]]) -> tuple[str, ThingKey]:
+    return item[0]
+
+
+def _cell(device: str, key: ThingKey, groups: Sequence[Group], truth: float | None) -> Cell:
+    """Setups of one device together."""
+    count, mean = _together(groups)
+    squares = sum(one.squares + one.count * (one.mean - mean) ** 2 for one in groups)
+    return Cell(device, *key, count, mean, sqrt(squares / (count - 1)) if count > 1 else None, truth)
+
+
+def _together(groups: Sequence[Group]) -> tuple[int, float]:
+    count = sum(one.count for one in groups)
+    return count, sum(one.count * one.mean for one in groups) / count
+
+
+def _errors(device: str, cells: Sequence[Cell]) -> DeviceError:
+    own = [cell for cell in cells if cell.device == device]
+    errors = [cell.error for cell in own if cell.error is not None]
+    bias = fmean(errors) if errors else None
+    rms = sqrt(fmean(error**2 for error in errors)) if errors else None
+    return DeviceError(device, len(own), sum(cell.count for cell in own), bias, rms)
+
+
+def _truths(
+    store: Store, viewer: Viewer, property: str, unit: str, groups: Sequence[Group]
+) -> Mapping[ThingKey, float]:
+    """The true value of each object: what is said of it first, else the mean of recordings that are ground truth."""
+    true: dict[ThingKey, list[Group]] = defaultdict(list)
+    for one in groups:
+        if one.ground_truth:
+            true[one.dataset, one.thing].append(one)
+    found = {key: _together(own)[1] for key, own in true.items()}
+    keys = {(one.dataset, one.thing) for one in groups}
+    for key, thing in things_by_name(store, viewer, keys).items():
+        said = _said(thing, property, unit)
+        if said is not None:
+            found[key] = said
+    return found
+
+
+def _said(thing: Thing, property: str, unit: str) -> float | None:
+    for one in thing.known:
+        entry = one.entry
+        if isinstance(entry, Value) and entry.property == property and entry.unit is not None:
+            return entry.value * unit_of(entry.unit).factor / unit_of(unit).factor
+    return None

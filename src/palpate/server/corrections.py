@@ -1,0 +1,89 @@
+"""Changing what is said of an object, over the network: who may, and under whose name it is noted.
+
+A curator may change what they see. An owner may where all that was measured of the object is theirs. Each change is
+noted with who made it and what was there before, and can be taken back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from palpate.server.problems import problem
+from palpate.server.security.accounts import Account, Role
+from palpate.store.audit import ADDED, CHANGED, MERGED, Change, history
+from palpate.store.describing import change_thing
+from palpate.store.entries import Entry
+from palpate.store.merging import merge_things, split_thing
+from palpate.store.records import ThingRef
+from palpate.store.store import Store
+from palpate.store.things import Thing
+from palpate.store.undoing import undo
+from palpate.store.visible_things import is_all_theirs, visible_thing
+
+__all__ = ["Corrections", "may_change"]
+
+TOLD = (ADDED, CHANGED, MERGED)
+"""Of the audit; what recordings say otherwise may stand in a private one."""
+
+
+def may_change(store: Store, who: Account, thing: ThingRef) -> bool:
+    """Whether somebody who sees an object may change what is said of it."""
+    if who.role >= Role.CURATOR:
+        return True
+    return who.role >= Role.OWNER and who.name is not None and is_all_theirs(store, who.name, thing)
+
+
+@dataclass(frozen=True)
+class Corrections:
+    """Changes of one object by somebody; each raises a 403 where they may not, and a StoreError where it is wrong."""
+
+    store: Store
+    who: Account
+    thing: Thing
+
+    def describe(self, fields: Mapping[str, Any]) -> None:
+        """Other words for maker, common name, attributes or aliases."""
+        self._check(self.thing.ref)
+        change_thing(self.store, self.thing.ref, lambda thing: thing.described(**fields), who=self.who.name)
+
+    def know(self, entry: Entry, source: str) -> None:
+        """Tell what a source says of a property."""
+        self._check(self.thing.ref)
+        change_thing(self.store, self.thing.ref, lambda thing: thing.knowing(entry, source), who=self.who.name)
+
+    def forget(self, property: str, source: str | None) -> None:
+        """Tell no longer what a source, or any source, says of a property."""
+        self._check(self.thing.ref)
+        change_thing(self.store, self.thing.ref, lambda thing: thing.without(property, source), who=self.who.name)
+
+    def merge(self, dataset: str, name: str) -> ThingRef:
+        """Let it count as another one, which is given back."""
+        self._check(self.thing.ref)
+        into = visible_thing(self.store, self.who.viewer, dataset, name)
+        if into is None:
+            raise problem(422, f"into: object {dataset}/{name}: there is none, or none that you may see")
+        self._check(into.ref)
+        merge_things(self.store, self.thing.ref, into.ref, who=self.who.name)
+        return into.ref
+
+    def split(self) -> None:
+        """Let it count as one of its own again."""
+        self._check(self.thing.ref)
+        split_thing(self.store, self.thing.ref, who=self.who.name)
+
+    def undo(self) -> None:
+        """Take back the last change that holds."""
+        self._check(self.thing.ref)
+        undo(self.store, self.thing.ref, who=self.who.name)
+
+    def history(self) -> list[Change]:
+        """Who changed what, the last first."""
+        self._check(self.thing.ref)
+        return [one for one in reversed(history(self.store, self.thing.ref)) if one.what in TOLD]
+
+    def _check(self, thing: ThingRef) -> None:
+        if not may_change(self.store, self.who, thing):
+            told = f"object {thing.dataset}/{thing.id}: is for curators to change, or for who owns all recordings of it"
+            raise problem(403, told)

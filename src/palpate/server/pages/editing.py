@@ -1,0 +1,104 @@
+"""Changing what is said of an object, by forms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Request
+from fastapi.concurrency import run_in_threadpool
+from fastapi.responses import HTMLResponse, RedirectResponse, Response
+
+from palpate.server.api.parameters import SeenThing, StoreOf
+from palpate.server.corrections import Corrections
+from palpate.server.pages.templates import page
+from palpate.server.problems import problem
+from palpate.server.security.accounts import Account, Role
+from palpate.server.security.sites import form_of
+from palpate.server.security.who import needs
+from palpate.store.entries import Distribution, Entry, Value
+from palpate.store.errors import StoreError, UnavailableError
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/objects/{dataset}/{name}/edit")
+Owner = Annotated[Account, Depends(needs(Role.OWNER))]
+Fields = Mapping[str, str]
+
+
+@router.get("")
+def forms(request: Request, store: StoreOf, who: Owner, thing: SeenThing) -> HTMLResponse:
+    """All forms, and who changed what before."""
+    return _page(request, Corrections(store, who, thing), None)
+
+
+@router.post("")
+async def change(request: Request, store: StoreOf, who: Owner, thing: SeenThing) -> Response:
+    """Do what the button of one of the forms says."""
+    fields = {name: value.strip() for name, value in (await form_of(request)).items()}
+    corrections = Corrections(store, who, thing)
+    act = ACTS.get(fields.get("do", ""))
+    if act is None:
+        raise problem(422, f"do: found {fields.get('do', '')[:40]!r}, expected one of {', '.join(ACTS)}")
+    try:
+        await run_in_threadpool(act, corrections, fields)
+    except UnavailableError:
+        raise
+    except StoreError as error:
+        return await run_in_threadpool(_page, request, corrections, str(error))
+    return RedirectResponse(request.url.path.removesuffix("/edit"), 303)
+
+
+def _page(request: Request, corrections: Corrections, fault: str | None) -> HTMLResponse:
+    status = 200 if fault is None else 422
+    thing = corrections.thing
+    return page(request, "edit.html", status, thing=thing, history=corrections.history()[:30], fault=fault)
+
+
+def _describe(corrections: Corrections, fields: Fields) -> None:
+    aliases = [one.strip() for one in fields.get("aliases", "").split(",")]
+    corrections.describe(
+        {
+            "common_name": fields.get("common_name") or None,
+            "maker": fields.get("maker") or None,
+            "aliases": tuple(one for one in aliases if one),
+        }
+    )
+
+
+def _know(corrections: Corrections, fields: Fields) -> None:
+    corrections.know(_entry(fields), fields.get("source", ""))
+
+
+def _entry(fields: Fields) -> Entry:
+    """A number with a unit, or a label."""
+    name, value, unit = (fields.get(key, "") for key in ("property", "value", "unit"))
+    if not unit:
+        return Distribution(name, {value: 1.0})
+    return Value(name, _number("value", value), _number("sd", fields["sd"]) if fields.get("sd") else None, unit)
+
+
+def _number(where: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise StoreError(f"{where}: found {text[:40]!r}, expected a number as there is a unit") from None
+
+
+def _forget(corrections: Corrections, fields: Fields) -> None:
+    corrections.forget(fields.get("property", ""), fields.get("source") or None)
+
+
+def _merge(corrections: Corrections, fields: Fields) -> None:
+    dataset, _, name = fields.get("into", "").partition("/")
+    corrections.merge(dataset, name)
+
+
+ACTS: Mapping[str, Callable[[Corrections, Fields], object]] = {
+    "describe": _describe,
+    "know": _know,
+    "forget": _forget,
+    "merge": _merge,
+    "split": lambda corrections, _: corrections.split(),
+    "undo": lambda corrections, _: corrections.undo(),
+}

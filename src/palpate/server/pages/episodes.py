@@ -1,0 +1,119 @@
+"""Explorations: a list, and stepping through one of them."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import HTMLResponse
+from pydantic import BaseModel, ConfigDict, Field
+
+from palpate.episode.format import Episode, LoggedStep, episode_of
+from palpate.errors import LogError
+from palpate.evidence import format_item
+from palpate.logfile import Line
+from palpate.server.api.downloads import SHOWN
+from palpate.server.api.episodes import SeenEpisode
+from palpate.server.api.parameters import StoreOf
+from palpate.server.api.queries import EpisodeQuery
+from palpate.server.pages.templates import page
+from palpate.server.plots.beliefs import belief_rows
+from palpate.server.plots.drawing import number
+from palpate.server.problems import problem
+from palpate.server.security.who import Who
+from palpate.store.episodes import StoredEpisode
+from palpate.store.listing_episodes import list_episodes
+from palpate.store.parts import Head, head_of
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/episodes")
+
+
+@router.get("")
+def rows(request: Request, store: StoreOf, who: Who, query: Annotated[EpisodeQuery, Query()]) -> HTMLResponse:
+    """A list of explorations."""
+    found = list_episodes(
+        store,
+        thing=query.object,
+        dataset=query.dataset,
+        since=query.since,
+        until=query.until,
+        viewer=who.viewer,
+        limit=query.limit,
+        cursor=query.cursor,
+    )
+    return page(request, "episodes.html", rows=found.rows, cursor=found.cursor, asked=query)
+
+
+class Asked(BaseModel):
+    """Which step; the last one unless told."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    step: int | None = Field(None, ge=1, le=100_000)
+
+
+@router.get("/{id}")
+def one(
+    request: Request, store: StoreOf, who: Who, stored: SeenEpisode, asked: Annotated[Asked, Query()]
+) -> HTMLResponse:
+    """One exploration at one of its steps."""
+    episode = _read(stored)
+    if asked.step is not None and asked.step > len(episode.steps):
+        raise problem(404, f"step: found {asked.step}, expected one of the {len(episode.steps)} steps")
+    place = asked.step or len(episode.steps)
+    step = episode.steps[place - 1] if episode.steps else None
+    recording = _recording(store, who, stored, place)
+    return page(
+        request,
+        "episode.html",
+        stored=stored,
+        episode=episode,
+        place=place,
+        step=step,
+        gains=_gains(step),
+        outcome=None if step is None else _told(step),
+        rows=[] if step is None else belief_rows(step.before, step.after),
+        recording=None if recording is None else str(recording.id),
+        pictures=[] if recording is None else _pictures(recording),
+    )
+
+
+def _read(stored: StoredEpisode) -> Episode:
+    try:
+        return episode_of([Line(f"episode {stored.id} line {n}", record) for n, record in enumerate(stored.records, 1)])
+    except LogError as error:
+        raise problem(422, str(error)) from None
+
+
+def _told(step: LoggedStep) -> str:
+    """What an action returned, as people read it."""
+    found = {name: value for name, value in format_item(step.action, step.admitted).items() if name != "action"}
+    return ", ".join(f"{name} {number(value) if isinstance(value, float) else value}" for name, value in found.items())
+
+
+def _gains(step: LoggedStep | None) -> list[tuple[str, float, float]]:
+    """Each action with its expected gain [bits] and its share of the greatest one, the greatest first."""
+    if step is None:
+        return []
+    most = max(step.gains_bits.values(), default=0.0) or 1.0
+    ranked = sorted(step.gains_bits.items(), key=lambda item: -item[1])
+    return [(action, gain, gain / most) for action, gain in ranked]
+
+
+def _recording(store: StoreOf, who: Who, stored: StoredEpisode, place: int) -> Head | None:
+    """The recording of a step's action, where there is one to see."""
+    for line in stored.steps:
+        if line.record.get("step") == place and line.recording is not None:
+            return head_of(store, who.viewer, bytes.fromhex(line.recording))
+    return None
+
+
+def _pictures(head: Head) -> list[dict[str, str]]:
+    """Files of a recording that a browser shows as pictures."""
+    return [
+        {"name": item.name, "url": f"/api/v1/recordings/{head.id}/files/{place}"}
+        for place, item in enumerate(head.files)
+        if item.media_type in SHOWN and item.media_type.startswith("image/")
+    ]

@@ -1,0 +1,40 @@
+"""Guides: how to record, upload, ask by program, and cite."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse
+
+from palpate.server.pages.templates import page
+from palpate.server.problems import problem
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/guides")
+TITLES = {"record": "Record", "upload": "Upload", "api": "Ask by program", "cite": "Cite"}
+
+
+@router.get("")
+def guides(request: Request) -> HTMLResponse:
+    """All guides."""
+    return page(request, "guides.html", titles=TITLES)
+
+
+@router.get("/{name}")
+def guide(request: Request, name: str) -> HTMLResponse:
+    """One guide."""
+    if name not in TITLES:
+        raise problem(404, f"guide {name[:40]!r}: there is none of that name")
+    operations = _operations(request.app.openapi()) if name == "api" else []
+    root = str(request.base_url).rstrip("/")
+    return page(request, f"guides/{name}.html", title=TITLES[name], root=root, operations=operations)
+
+
+def _operations(document: dict[str, dict[str, dict[str, dict[str, str]]]]) -> list[tuple[str, str, str]]:
+    """Method, path and what it is for, of each operation of the service."""
+    return [
+        (method.upper(), path, operation.get("description", operation.get("summary", "")))
+        for path, methods in document["paths"].items()
+        for method, operation in methods.items()
+        if path.startswith("/api/")
+    ]

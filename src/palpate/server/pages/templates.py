@@ -1,0 +1,114 @@
+"""Templates: how pages are made from values, and how values read in them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import datetime
+from functools import lru_cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlencode
+
+from fastapi import Request
+from fastapi.responses import HTMLResponse
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from palpate import __version__
+from palpate.server.names import thing_address
+from palpate.server.plots.drawing import number
+from palpate.server.security.accounts import Account
+from palpate.store.entries import Bound, Distribution, Entry, Interval, Value
+from palpate.store.records import ThingRef
+
+__all__ = ["STATIC", "error_page", "page"]
+
+STATIC = Path(__file__).parents[1] / "static"
+
+
+def page(
+    request: Request, template: str, status: int = 200, headers: Mapping[str, str] | None = None, **values: Any
+) -> HTMLResponse:
+    """A page from a template; ``path``, ``query`` and ``account`` tell each what was asked, and by whom."""
+    account = getattr(request.state, "account", Account())
+    given = {"path": request.url.path, "query": dict(request.query_params), "account": account, **values}
+    return HTMLResponse(_environment().get_template(template).render(given), status, headers)
+
+
+def error_page(request: Request, status: int, title: str, detail: str, headers: Mapping[str, str]) -> HTMLResponse:
+    """The page of an error."""
+    return page(request, "error.html", status, headers, code=status, title=title, detail=detail)
+
+
+@lru_cache(maxsize=1)
+def _environment() -> Environment:
+    found = Environment(
+        loader=PackageLoader("palpate.server"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    found.filters |= {"number": number, "day": _day, "moment": _moment, "entry": entry_text, "plural": _plural}
+    found.globals |= {"thing_url": _thing_url, "asset": _asset, "version": __version__, "with_query": _with_query}
+    found.globals |= {"search": _search}
+    return found
+
+
+def entry_text(entry: Entry) -> str:
+    """A result as people read it.
+
+    Examples
+    --------
+    >>> entry_text(Value("mass", 118.0, 2.0, "g")), entry_text(Bound("elasticity", above=95.0, unit="kPa"))
+    ('118 ± 2 g', 'above 95 kPa')
+    """
+    if isinstance(entry, Value):
+        spread = "" if entry.sd is None else f" ± {number(entry.sd)}"
+        return f"{number(entry.value)}{spread} {_unit(entry.unit)}"
+    if isinstance(entry, Distribution):
+        best = sorted(entry.probabilities.items(), key=lambda item: (-item[1], item[0]))
+        return ", ".join(f"{label} {share:.0%}" for label, share in best[:3] if share >= 0.005)
+    if isinstance(entry, Interval):
+        return f"{number(entry.low)} to {number(entry.high)} {_unit(entry.unit)}"
+    if isinstance(entry, Bound):
+        side, value = ("above", entry.above) if entry.above is not None else ("below", entry.below)
+        return f"{side} {number(value or 0.0)} {_unit(entry.unit)}"
+    return f"failed: {entry.reason}"
+
+
+def _unit(unit: str | None) -> str:
+    return "(unit not stated)" if unit is None else unit
+
+
+def _day(at: datetime) -> str:
+    return f"{at:%Y-%m-%d}"
+
+
+def _moment(at: datetime) -> str:
+    return f"{at:%Y-%m-%d %H:%M:%S} UTC"
+
+
+def _plural(count: int, noun: str) -> str:
+    return f"{count:,} {noun}" if count == 1 else f"{count:,} {noun}s"
+
+
+def _thing_url(dataset: str, name: str) -> str:
+    return f"/objects/{thing_address(ThingRef(dataset, name))}"
+
+
+def _search(path: str, **values: str) -> str:
+    return f"{path}?{urlencode(values)}"
+
+
+def _with_query(path: str, query: Mapping[str, str], **changes: str | None) -> str:
+    """The same address with other parameters; one that is None is left out."""
+    found = {**query, **changes}
+    asked = urlencode({name: value for name, value in found.items() if value is not None})
+    return f"{path}?{asked}" if asked else path
+
+
+@lru_cache(maxsize=32)
+def _asset(name: str) -> str:
+    """The address of a file of the site, another one for another content, so that browsers may keep it."""
+    return f"/static/{name}?v={sha256((STATIC / name).read_bytes()).hexdigest()[:12]}"

@@ -1,0 +1,1 @@
+"""Plots as SVG that stand in a page, so that they can be read without JavaScript."""

@@ -1,0 +1,87 @@
+"""SVG, piece by piece: shapes with classes, so that style sheets give them their colours, light and dark."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from markupsafe import Markup, escape
+
+from palpate.server.plots.scale import Scale
+
+__all__ = ["Drawing", "number"]
+
+COLOURS = 8
+
+
+def number(value: float) -> str:
+    """A number with four digits at most, as people read it.
+
+    Examples
+    --------
+    >>> number(1234.6), number(0.012345), number(1e-7), number(40.0)
+    ('1235', '0.01235', '1e-07', '40')
+    """
+    return f"{value:.0f}" if 1000 <= abs(value) < 1e7 else f"{value:.4g}"
+
+
+class Drawing:
+    """An SVG picture that grows.
+
+    Parameters
+    ----------
+    width, height
+        In its own units; on the page it is as wide as there is room.
+    title
+        What there is to see, for those who cannot.
+    """
+
+    def __init__(self, width: float, height: float, title: str) -> None:
+        self.width, self.height, self.title = width, height, title
+        self._parts: list[Markup] = []
+
+    def markup(self) -> Markup:
+        """The picture, to stand in a page."""
+        head = Markup('<svg class="plot" viewBox="0 0 {} {}" role="img" aria-label="{}"><title>{}</title>')
+        body = Markup("").join(self._parts)
+        return head.format(self.width, self.height, self.title, self.title) + body + Markup("</svg>")
+
+    def line(self, x1: float, y1: float, x2: float, y2: float, kind: str) -> None:
+        """A line."""
+        self._parts.append(Markup('<line x1="{}" y1="{}" x2="{}" y2="{}" class="{}"/>').format(x1, y1, x2, y2, kind))
+
+    def rectangle(self, x: float, y: float, width: float, height: float, kind: str) -> None:
+        """A rectangle."""
+        shape = Markup('<rect x="{}" y="{}" width="{}" height="{}" class="{}"/>')
+        self._parts.append(shape.format(x, y, round(max(0.0, width), 2), round(max(0.0, height), 2), kind))
+
+    def dot(self, x: float, y: float, kind: str, told: str, link: str | None = None) -> None:
+        """A dot that says what it is, and leads somewhere."""
+        shape = Markup('<circle cx="{}" cy="{}" r="3.5" class="dot {}"><title>{}</title></circle>').format(
+            x, y, kind, told
+        )
+        self._parts.append(shape if link is None else Markup('<a href="{}">{}</a>').format(link, shape))
+
+    def curve(self, points: Iterable[tuple[float, float]], kind: str) -> None:
+        """A line through points."""
+        path = " ".join(f"{x:g},{y:g}" for x, y in points)
+        self._parts.append(Markup('<polyline points="{}" class="{}"/>').format(path, kind))
+
+    def text(self, x: float, y: float, words: str, kind: str = "", anchor: str = "start") -> None:
+        """Words."""
+        shape = Markup('<text x="{}" y="{}" class="{}" text-anchor="{}">{}</text>')
+        self._parts.append(shape.format(x, y, kind, anchor, escape(words)))
+
+    def across_axis(self, across: Scale, top: float, bottom: float, label: str) -> None:
+        """Ticks below, lines up from them, and what it is."""
+        for value in across.ticks():
+            self.line(across.at(value), top, across.at(value), bottom, "grid")
+            self.text(across.at(value), bottom + 16, number(value), "tick", "middle")
+        self.line(across.start, bottom, across.end, bottom, "axis")
+        self.text((across.start + across.end) / 2, bottom + 33, label, "label", "middle")
+
+    def up_axis(self, up: Scale, left: float, right: float, label: str) -> None:
+        """Ticks at the left, lines across from them, and what it is."""
+        for value in up.ticks(4):
+            self.line(left, up.at(value), right, up.at(value), "grid")
+            self.text(left - 6, up.at(value) + 4, number(value), "tick", "end")
+        self.text(left, up.end - 8, label, "label", "start")

@@ -1,0 +1,165 @@
+"""Errors in one form: problem details (RFC 9457), for programs as JSON and for people as a page."""
+
+from __future__ import annotations
+
+import logging
+import re
+from collections.abc import Mapping, Sequence
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from pydantic import BaseModel
+from sqlalchemy.exc import DataError, OperationalError
+from starlette.exceptions import HTTPException
+from starlette.responses import Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from palpate.errors import PalpateError
+from palpate.server.pages.templates import error_page
+from palpate.store.errors import DamagedError, StoreError, UnavailableError
+
+__all__ = ["Problem", "ProblemError", "Unexpected", "install", "problem", "problem_of_store", "problem_response"]
+
+_log = logging.getLogger("palpate.server")
+FIELD = re.compile(r"([A-Za-z_][\w-]*(?:\[\d+\])?(?:\.[A-Za-z_][\w-]*(?:\[\d+\])?)*): (.*)", re.DOTALL)
+MEDIA_TYPE = "application/problem+json"
+
+
+class Field(BaseModel):
+    """A part of a request that is wrong."""
+
+    field: str
+    detail: str
+
+
+class Problem(BaseModel):
+    """What went wrong: a title for its kind, one sentence for this case, and the fields where it is about some."""
+
+    type: str = "about:blank"
+    title: str
+    status: int
+    detail: str
+    errors: list[Field] = []
+
+
+class ProblemError(HTTPException):
+    """A problem that ends a request."""
+
+    def __init__(self, found: Problem, headers: Mapping[str, str] | None = None) -> None:
+        super().__init__(found.status, found.detail, headers)
+        self.problem = found
+
+
+def problem(
+    status: int, detail: str, errors: Sequence[Mapping[str, str]] = (), headers: Mapping[str, str] | None = None
+) -> ProblemError:
+    """An error to raise."""
+    fields = [Field(**one) for one in errors]
+    found = Problem(title=HTTPStatus(status).phrase, status=status, detail=detail, errors=fields)
+    return ProblemError(found, headers)
+
+
+def problem_of_store(error: PalpateError, status: int = 422) -> ProblemError:
+    """The error of a store, which names the field first where it is about one."""
+    said = " ".join(str(error).split())
+    field = FIELD.fullmatch(said)
+    return problem(status, said, [{"field": field[1], "detail": field[2]}] if field else [])
+
+
+def install(app: FastAPI) -> None:
+    """Let an application answer every error in this form."""
+    app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(RequestValidationError, _invalid)
+    app.add_exception_handler(UnavailableError, _unavailable)
+    app.add_exception_handler(OperationalError, _unavailable)
+    app.add_exception_handler(DamagedError, _damaged)
+    app.add_exception_handler(StoreError, _store)
+    app.add_exception_handler(OverflowError, _out_of_range)
+    app.add_exception_handler(DataError, _out_of_range)
+
+
+def _answer(request: Request, error: HTTPException) -> Response:
+    if isinstance(error, ProblemError):
+        found = error.problem
+    else:
+        status = error.status_code
+        found = Problem(title=HTTPStatus(status).phrase, status=status, detail=error.detail)
+    headers = dict(error.headers or {})
+    if _is_page(request):
+        return error_page(request, found.status, found.title, found.detail, headers)
+    return problem_response(found, headers)
+
+
+def problem_response(found: Problem, headers: Mapping[str, str]) -> JSONResponse:
+    """A problem as the answer to a program."""
+    return JSONResponse(found.model_dump(), found.status, headers, MEDIA_TYPE)
+
+
+def _is_page(request: Request) -> bool:
+    return not request.url.path.startswith("/api/") and "text/html" in request.headers.get("accept", "")
+
+
+async def _http(request: Request, error: Any) -> Response:
+    return _answer(request, error)
+
+
+async def _invalid(request: Request, error: Any) -> Response:
+    errors = [{"field": _path(one["loc"]), "detail": str(one["msg"])} for one in error.errors()]
+    told = "; ".join(f"{one['field']}: {one['detail']}" for one in errors[:3])
+    return _answer(request, problem(422, told, errors))
+
+
+def _path(places: Sequence[str | int]) -> str:
+    """Where in a request: ``query.limit``, ``body.entries[0].unit``."""
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in places).lstrip(".")
+
+
+async def _store(request: Request, error: Any) -> Response:
+    return _answer(request, problem_of_store(error))
+
+
+async def _unavailable(request: Request, error: Any) -> Response:
+    # the address of the database is nobody's business
+    _log.error("the store cannot be used: %s", error)
+    told = "the store cannot be used now; what was asked was not done"
+    return _answer(request, problem(503, told, headers={"Retry-After": "5"}))
+
+
+async def _damaged(request: Request, error: Any) -> Response:
+    _log.error("damaged: %s", error)
+    return _answer(request, problem(500, "stored bytes are damaged; `palpate store verify` tells which"))
+
+
+async def _out_of_range(request: Request, error: Any) -> Response:
+    return _answer(request, problem(422, "a number or a text is none that the store can look for"))
+
+
+class Unexpected:
+    """Answers where nobody has foreseen an error, which goes to the log and not to whoever asked."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        started = False
+
+        async def send_and_note(message: Message) -> None:
+            nonlocal started
+            started = started or message["type"] == "http.response.start"
+            await send(message)
+
+        try:
+            await self.app(scope, receive, send_and_note)
+        except Exception:
+            _log.exception("an error of the server: %s %s", scope["method"], scope["path"])
+            if started:
+                raise
+            found = problem(500, "an error of the server, which is in its log")
+            await _answer(Request(scope), found)(scope, receive, send)

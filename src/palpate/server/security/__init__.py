@@ -1,0 +1,1 @@
+"""Who may do what, and limits of what is sent."""

@@ -1,0 +1,72 @@
+"""Who asks: by a token, by the key of the person who started the server, or nobody in particular."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from hmac import compare_digest
+from typing import Annotated
+
+from fastapi import Depends, Request
+
+from palpate.server.problems import problem
+from palpate.server.security.accounts import Account, Role, account_of
+from palpate.server.security.sites import check_same_site
+from palpate.server.state import state_of
+
+__all__ = ["COOKIE", "SESSION", "Who", "needs"]
+
+COOKIE, SESSION = "palpate-key", "palpate-session"
+HOST_NAME = "owner of the store"
+"""Whoever started the server, on their own computer."""
+
+
+def account(request: Request) -> Account:
+    """Who asks, and what they may do.
+
+    A token that does not hold is an error also where none is needed: who sends one should learn that it has expired.
+    """
+    found = _account(request)
+    # pages tell it
+    request.state.account = found
+    return found
+
+
+def _account(request: Request) -> Account:
+    scheme, _, secret = request.headers.get("authorization", "").partition(" ")
+    if scheme:
+        return _by_token(request, scheme, secret.strip())
+    key, given = state_of(request).settings.key, request.cookies.get(COOKIE)
+    if key is not None and given is not None and compare_digest(key.encode(), given.encode()):
+        return Account(HOST_NAME, Role.ADMIN)
+    session = request.cookies.get(SESSION)
+    # a session that has ended is nobody's: the page says so by asking to log in
+    return (account_of(state_of(request).store, session) if session else None) or Account()
+
+
+Who = Annotated[Account, Depends(account)]
+
+
+def needs(role: Role) -> Callable[..., Account]:
+    """A dependency that lets nobody with a lesser role do something."""
+
+    def checked(request: Request, who: Who) -> Account:
+        # a browser sends cookies along whoever has written the page
+        if request.method not in ("GET", "HEAD") and "authorization" not in request.headers and request.cookies:
+            check_same_site(request)
+        if who.role is Role.NOBODY:
+            raise problem(
+                401, "a token is needed: send 'Authorization: Bearer ...'", headers={"WWW-Authenticate": "Bearer"}
+            )
+        if who.role < role:
+            raise problem(403, f"this token is for a {who.role.name.lower()}, expected {role.name.lower()} or more")
+        return who
+
+    return checked
+
+
+def _by_token(request: Request, scheme: str, secret: str) -> Account:
+    found = account_of(state_of(request).store, secret) if scheme.lower() == "bearer" else None
+    if found is None:
+        told = "the token is not known, has expired or was revoked"
+        raise problem(401, told, headers={"WWW-Authenticate": 'Bearer error="invalid_token"'})
+    return found

@@ -1,0 +1,29 @@
+"""What requests share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import cast
+
+from starlette.requests import HTTPConnection
+
+from palpate.server.security.rates import Rate
+from palpate.server.settings import Settings
+from palpate.store.store import Store
+
+__all__ = ["State", "state_of"]
+
+
+@dataclass(frozen=True)
+class State:
+    """What requests share: the store, how the server runs, and how often passwords are tried."""
+
+    store: Store
+    settings: Settings
+    tries_of_name: Rate = field(default_factory=lambda: Rate(per_s=1 / 30, burst=10))
+    tries_of_address: Rate = field(default_factory=lambda: Rate(per_s=1 / 10, burst=30))
+
+
+def state_of(connection: HTTPConnection) -> State:
+    """What requests share."""
+    return cast(State, connection.app.state.palpate)

@@ -1,0 +1,87 @@
+"""What a server tells about itself: whether it is well, how much it is asked, and a line for each request."""
+
+from __future__ import annotations
+
+import json
+import logging
+import time
+
+from fastapi import APIRouter
+from fastapi.responses import JSONResponse, Response
+from prometheus_client import CONTENT_TYPE_LATEST, REGISTRY, CollectorRegistry, Counter, Histogram, generate_latest
+from prometheus_client.multiprocess import MultiProcessCollector
+from sqlalchemy import text
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from palpate.server.api.parameters import StoreOf
+
+__all__ = ["Watching", "router"]
+
+_log = logging.getLogger("palpate.server.requests")
+router = APIRouter(tags=["health"])
+BUCKETS = (0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0)
+REQUESTS = Counter("palpate_requests", "Requests answered", ("method", "route", "status"))
+SECONDS = Histogram("palpate_request_seconds", "Time to the last byte", ("method", "route"), buckets=BUCKETS)
+
+
+@router.get("/health")
+def health(store: StoreOf) -> Response:
+    """Whether the store answers: 200, or 503."""
+    with store.engine.connect() as connection:
+        connection.execute(text("SELECT 1 FROM recordings LIMIT 1"))
+    return JSONResponse({"status": "ok"})
+
+
+@router.get("/metrics")
+def metrics() -> Response:
+    """Counts and times for Prometheus, of all workers."""
+    return Response(generate_latest(_registry()), media_type=CONTENT_TYPE_LATEST)
+
+
+def _registry() -> CollectorRegistry:
+    import os
+
+    if "PROMETHEUS_MULTIPROC_DIR" not in os.environ:
+        return REGISTRY
+    registry = CollectorRegistry()
+    MultiProcessCollector(registry)  # type: ignore[no-untyped-call]
+    return registry
+
+
+class Watching:
+    """Counts each request, times it, and logs it as a line of JSON; nothing of what was asked but the path."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        started, status = time.perf_counter(), 500
+
+        async def send_and_note(message: Message) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+            await send(message)
+
+        try:
+            await self.app(scope, receive, send_and_note)
+        finally:
+            _note(scope, status, time.perf_counter() - started)
+
+
+def _note(scope: Scope, status: int, seconds: float) -> None:
+    route = getattr(scope.get("route"), "path", "none")
+    # any text may stand where a method does
+    method = scope["method"] if scope["method"] in METHODS else "other"
+    REQUESTS.labels(method, route, str(status)).inc()
+    SECONDS.labels(method, route).observe(seconds)
+    told = {"method": method, "path": scope["path"], "status": status, "ms": round(1e3 * seconds, 1)}
+    client = scope.get("client")
+    _log.info(json.dumps({**told, "client": client[0] if client else None}))
+
+
+METHODS = ("GET", "HEAD", "PUT", "POST", "DELETE", "OPTIONS", "PATCH")

@@ -1,0 +1,154 @@
+"""A recording in parts, for somebody who may see it: what was measured without the signals, one series, one file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy import ColumnElement, select
+
+from palpate.store import schema
+from palpate.store.arrays import unpack_bytes, unpack_series
+from palpate.store.decoding import entry_from, moment_from, pose_from
+from palpate.store.entries import Entry
+from palpate.store.fetching import from_row_or_blob, parsed_layout, setup_of
+from palpate.store.legible import reading
+from palpate.store.records import Pose, Series, Setup, ThingRef
+from palpate.store.registry import thing_of
+from palpate.store.rows import EPOCH
+from palpate.store.seals import sealed_document
+from palpate.store.store import Store
+from palpate.store.viewing import Viewer
+
+__all__ = ["Head", "SeriesInfo", "StoredFile", "file_of", "head_of", "log_of", "series_of"]
+
+
+@dataclass(frozen=True)
+class SeriesInfo:
+    """A series without its samples: for each channel its name, quantity, unit, rate and number of samples."""
+
+    name: str
+    channels: tuple[Mapping[str, Any], ...]
+
+
+@dataclass(frozen=True)
+class StoredFile:
+    """A file of a recording; its bytes are in the blobs under their SHA-256."""
+
+    name: str
+    media_type: str
+    sha256: str
+
+
+@dataclass(frozen=True)
+class Head:
+    """All of a recording but samples, what is in its files, and its log."""
+
+    row: int
+    id: UUID
+    digest: str
+    uploaded_at: datetime
+    visibility: str
+    thing: ThingRef
+    setup: Setup
+    series: tuple[SeriesInfo, ...]
+    files: tuple[StoredFile, ...]
+    document: Mapping[str, Any]
+
+    @property
+    def recorded_at(self) -> datetime:
+        """When it was recorded."""
+        return moment_from(self.document["recorded_at"])
+
+    @property
+    def entries(self) -> tuple[Entry, ...]:
+        """The results."""
+        return tuple(map(entry_from, self.document["entries"]))
+
+    def pose(self, name: str) -> Pose | None:
+        """``gripper_pose`` or ``object_pose``."""
+        return pose_from(self.document[name])
+
+
+def head_of(store: Store, viewer: Viewer, key: UUID | bytes) -> Head | None:
+    """The recording of an id or a digest without its signals, or None where there is none to see."""
+    recordings, things, setups = schema.recordings, schema.things, schema.setups
+    column = recordings.c.uuid if isinstance(key, UUID) else recordings.c.digest
+    asked = (
+        select(recordings, things, setups.c.digest.label("setup_digest"), setups.c.document.label("setup"))
+        .join(things, things.c.id == recordings.c.thing_id)
+        .join(setups, setups.c.id == recordings.c.setup_id)
+        .where(column == (key.bytes if isinstance(key, UUID) else key), viewer.of(recordings))
+    )
+    with reading(store.engine) as connection:
+        row = connection.execute(asked).mappings().first()
+        return None if row is None else _head(row)
+
+
+def _head(row: Mapping[Any, Any]) -> Head:
+    columns = schema.recordings.c
+    same = {name: row[columns[name]] for name in ("uuid", "digest", "document", "seal")}
+    named = {name: row[schema.things.c[name]] for name in ("dataset", "name")}
+    plain = sealed_document({**same, **named})
+    return Head(
+        row=row[columns.id],
+        id=UUID(bytes=row[columns.uuid]),
+        digest=row[columns.digest].hex(),
+        uploaded_at=EPOCH + timedelta(microseconds=row[columns.uploaded_us]),
+        visibility=row[columns.visibility],
+        thing=thing_of({column.name: row[column] for column in schema.things.c}),
+        setup=setup_of(row["setup_digest"], row["setup"]),
+        series=tuple(SeriesInfo(one["name"], _channels(one)) for one in plain["series"]),
+        files=tuple(StoredFile(one["name"], one["media_type"], one["sha256"]) for one in plain["files"]),
+        document=plain,
+    )
+
+
+def _channels(series: Mapping[str, Any]) -> tuple[Mapping[str, Any], ...]:
+    pairs = zip(series["channels"], series["counts"], strict=True)
+    return tuple({**channel, "count": count} for channel, count in pairs)
+
+
+def series_of(store: Store, head: Head, position: int) -> Series | None:
+    """One series with its samples; None where there is none at that position.
+
+    Raises
+    ------
+    DamagedError
+        If what is stored is not what was put.
+    """
+    table, layouts = schema.series, schema.layouts
+    asked = (
+        select(table.c.name, layouts.c.digest, layouts.c.document, table.c.data, table.c.blob)
+        .join(layouts, table.c.layout_id == layouts.c.id)
+        .where(_at(table.c.recording_id, head, table.c.position, position))
+    )
+    with reading(store.engine) as connection:
+        row = connection.execute(asked).first()
+        if row is None:
+            return None
+        packed = from_row_or_blob(row.data, row.blob, store.blobs) or b""
+        return unpack_series(row.name, parsed_layout(row.digest, row.document), packed)
+
+
+def file_of(store: Store, head: Head, position: int) -> bytes | None:
+    """What is in a file, verified; None where there is none at that position."""
+    if not 0 <= position < len(head.files):
+        return None
+    return store.blobs.get(head.files[position].sha256)
+
+
+def log_of(store: Store, head: Head) -> str:
+    """What the program printed."""
+    columns = schema.recordings.c
+    with reading(store.engine) as connection:
+        row = connection.execute(select(columns.log, columns.log_blob).where(columns.id == head.row)).one()
+    packed = from_row_or_blob(row.log, row.log_blob, store.blobs)
+    return unpack_bytes(packed).decode() if packed else ""
+
+
+def _at(key: ColumnElement[int], head: Head, place: ColumnElement[int], position: int) -> ColumnElement[bool]:
+    return (key == head.row) & (place == position)

@@ -1,0 +1,102 @@
+"""Who may see what: conditions that stand in every question of a server, so that nothing is filtered afterwards.
+
+A recording or an episode is seen by all where it is public, by everybody with an account where it is for the lab, and
+by its owner and administrators where it is private. An object is seen where something that was done with it is, or
+where nothing was done with it yet; a setup where a recording is that was made with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+from sqlalchemy import ColumnElement, Select, Table, exists, func, not_, or_, select, true, union
+
+from palpate.store import schema
+from palpate.store.filters import Filter
+
+__all__ = ["Viewer", "VisibleFilter"]
+
+
+@dataclass(frozen=True)
+class Viewer:
+    """Somebody who looks at a store.
+
+    Attributes
+    ----------
+    name
+        Of the account, which is that of the owner of recordings; None for the public.
+    lab
+        Whether what is shared in the lab is seen.
+    everything
+        Whether all is seen, whoever owns it.
+
+    Examples
+    --------
+    >>> str(Viewer().of(schema.recordings))
+    'recordings.visibility = :visibility_1'
+    """
+
+    name: str | None = None
+    lab: bool = False
+    everything: bool = False
+
+    def of(self, table: Table) -> ColumnElement[bool]:
+        """The condition on `schema.recordings` or `schema.episodes` that a row is seen."""
+        if self.everything:
+            return true()
+        seen = [table.c.visibility == "public"]
+        if self.lab:
+            seen.append(table.c.visibility == "lab")
+        if self.name is not None:
+            seen.append(table.c.owner == self.name)
+        return or_(*seen)
+
+    def things(self) -> ColumnElement[bool]:
+        """The condition on `schema.things` that one is seen by itself, whatever is merged into it."""
+        if self.everything:
+            return true()
+        tables = (schema.recordings, schema.episodes)
+        here = [exists().where(table.c.thing_id == schema.things.c.id, self.of(table)) for table in tables]
+        any_ = [exists().where(table.c.thing_id == schema.things.c.id) for table in tables]
+        return or_(*here, not_(or_(*any_)))
+
+    def heads(self) -> Select[int]:
+        """Rows of the objects that are seen and count as one of their own, themselves or by one merged into them."""
+        things = schema.things.c
+        return select(func.coalesce(things.merged_into, things.id)).where(self.things())
+
+    def setups(self) -> Select[int]:
+        """Rows of the setups that are seen."""
+        return select(schema.recordings.c.setup_id).where(self.of(schema.recordings)).distinct()
+
+
+@dataclass(frozen=True)
+class VisibleFilter(Filter):
+    """A filter that lets through only what somebody may see, also of what an object is known to be."""
+
+    viewer: Viewer = field(default_factory=Viewer)
+
+    def conditions(self) -> Iterator[ColumnElement[bool]]:
+        """All but property and labels, on `schema.recordings`."""
+        columns = schema.recordings.c
+        yield from super(VisibleFilter, replace(self, known={})).conditions()
+        for name, label in self.known.items():
+            yield columns.thing_id.in_(known_things(self.viewer, name, label))
+        if not self.viewer.everything:
+            yield self.viewer.of(schema.recordings)
+
+
+def known_things(viewer: Viewer, name: str, label: str) -> Select[int]:
+    """Rows of objects of which a label is known to a viewer, with those that count as the same object."""
+    said, things = schema.thing_properties.c, schema.things
+    entries, recordings = schema.entries.c, schema.recordings
+    found = union(
+        select(said.thing_id).where(said.property == name, said.label == label),
+        select(entries.thing_id)
+        .join(recordings, recordings.c.id == entries.recording_id)
+        .where(entries.property == name, entries.label == label, recordings.c.ground_truth, viewer.of(recordings)),
+    ).subquery()
+    head = func.coalesce(things.c.merged_into, things.c.id)
+    heads = select(head).where(things.c.id.in_(select(found.c.thing_id)))
+    return select(things.c.id).where(head.in_(heads))

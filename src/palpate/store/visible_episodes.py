@@ -1,0 +1,53 @@
+"""Explorations that somebody may see."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from uuid import UUID
+
+from sqlalchemy import func, select
+
+from palpate.store import schema
+from palpate.store.filters import digest_bytes
+from palpate.store.legible import reading
+from palpate.store.store import Store
+from palpate.store.viewing import Viewer
+
+__all__ = ["Progress", "episode_is_visible", "progress_of", "recordings_of_digests"]
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far an exploration is: lines of its log after the first, and why it stopped; None where it did not."""
+
+    lines: int
+    stop: str | None
+
+
+def episode_is_visible(store: Store, viewer: Viewer, key: UUID) -> bool:
+    """Whether there is an exploration of this id to see."""
+    episodes = schema.episodes
+    asked = select(episodes.c.id).where(episodes.c.uuid == key.bytes, viewer.of(episodes))
+    with reading(store.engine) as connection:
+        return connection.scalar(asked) is not None
+
+
+def recordings_of_digests(store: Store, viewer: Viewer, digests: Sequence[str]) -> Mapping[str, UUID]:
+    """Ids of those recordings that are seen, by digest."""
+    recordings = schema.recordings
+    asked = select(recordings.c.digest, recordings.c.uuid).where(
+        recordings.c.digest.in_([digest_bytes(digest) for digest in digests]), viewer.of(recordings)
+    )
+    with reading(store.engine) as connection:
+        return {digest.hex(): UUID(bytes=uuid) for digest, uuid in connection.execute(asked)}
+
+
+def progress_of(store: Store, viewer: Viewer, key: UUID) -> Progress | None:
+    """How far an exploration is, or None where there is none to see; quick, as it is asked again and again."""
+    episodes, steps = schema.episodes, schema.episode_steps.c
+    lines = select(func.count()).where(steps.episode_id == episodes.c.id).scalar_subquery()
+    asked = select(lines, episodes.c.stop).where(episodes.c.uuid == key.bytes, viewer.of(episodes))
+    with reading(store.engine) as connection:
+        row = connection.execute(asked).first()
+    return None if row is None else Progress(row[0], row[1])

@@ -1,0 +1,99 @@
+"""Devices, setups and properties that somebody may see, because a recording is seen that was made with them."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+
+from sqlalchemy import Select, exists, func, select
+
+from palpate.store import schema
+from palpate.store.fetching import setup_of
+from palpate.store.legible import reading
+from palpate.store.records import Device, Setup
+from palpate.store.seals import checked_document
+from palpate.store.store import Store
+from palpate.store.viewing import Viewer
+
+__all__ = ["SeenDevice", "SeenProperty", "SeenSetup", "seen_devices", "seen_properties", "seen_setups"]
+
+
+@dataclass(frozen=True)
+class SeenSetup:
+    """A setup and the number of recordings that are seen of it."""
+
+    digest: str
+    setup: Setup
+    recordings: int
+
+
+@dataclass(frozen=True)
+class SeenDevice:
+    """A device, the setups that it is part of, and the number of recordings that are seen of it."""
+
+    digest: str
+    device: Device
+    setups: tuple[str, ...]
+    recordings: int
+
+
+@dataclass(frozen=True)
+class SeenProperty:
+    """A property with the unit that it was first given in (None for labels), and how many results of it are seen."""
+
+    name: str
+    unit: str | None
+    entries: int
+
+
+def seen_setups(store: Store, viewer: Viewer, digest: bytes | None = None) -> tuple[SeenSetup, ...]:
+    """All setups, the most used first; or the one of a digest."""
+    counts, setups = _counts(viewer).subquery(), schema.setups.c
+    asked = select(setups.digest, setups.document, counts.c.count).join(counts, counts.c.setup_id == setups.id)
+    if digest is not None:
+        asked = asked.where(setups.digest == digest)
+    with reading(store.engine) as connection:
+        rows = connection.execute(asked.order_by(counts.c.count.desc(), setups.id)).all()
+        return tuple(SeenSetup(row[0].hex(), setup_of(row[0], row[1]), row[2]) for row in rows)
+
+
+def seen_devices(store: Store, viewer: Viewer) -> tuple[SeenDevice, ...]:
+    """All devices, by kind, name and date of calibration."""
+    counts, links, devices, setups = _counts(viewer).subquery(), schema.setup_devices.c, schema.devices.c, schema.setups
+    asked = (
+        select(devices.digest, devices.document, setups.c.digest, counts.c.count)
+        .join(links.device_id.table, links.device_id == devices.id)
+        .join(counts, counts.c.setup_id == links.setup_id)
+        .join(setups, setups.c.id == links.setup_id)
+        .order_by(devices.kind, devices.name, devices.calibrated_on, devices.id)
+    )
+    groups: dict[tuple[bytes, str], list[tuple[str, int]]] = defaultdict(list)
+    with reading(store.engine) as connection:
+        for digest, document, setup, count in connection.execute(asked):
+            groups[digest, document].append((setup.hex(), count))
+        return tuple(
+            SeenDevice(digest.hex(), _device(digest, document), tuple(one for one, _ in of), sum(n for _, n in of))
+            for (digest, document), of in groups.items()
+        )
+
+
+def seen_properties(store: Store, viewer: Viewer) -> tuple[SeenProperty, ...]:
+    """All properties of which a result is seen, by name."""
+    entries, recordings = schema.entries.c, schema.recordings
+    asked = select(entries.property, func.count()).where(entries.property.is_not(None)).group_by(entries.property)
+    if not viewer.everything:
+        asked = asked.where(exists().where(recordings.c.id == entries.recording_id, viewer.of(recordings)))
+    with reading(store.engine) as connection:
+        units = {row.name: row.unit for row in connection.execute(select(schema.properties))}
+        rows = connection.execute(asked.order_by(entries.property)).all()
+    return tuple(SeenProperty(name, units.get(name), count) for name, count in rows if name is not None)
+
+
+def _device(digest: bytes, document: str) -> Device:
+    return Device(**checked_document("devices", digest, document))
+
+
+def _counts(viewer: Viewer) -> Select[int, int]:
+    columns = schema.recordings.c
+    asked = select(columns.setup_id, func.count().label("count")).where(viewer.of(schema.recordings))
+    return asked.group_by(columns.setup_id)

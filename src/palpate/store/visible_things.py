@@ -1,0 +1,210 @@
+"""Objects that somebody may see: in pages, and one of them."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from sqlalchemy import ColumnElement, Connection, Select, exists, func, or_, select, tuple_
+
+from palpate.store import schema
+from palpate.store.errors import StoreError
+from palpate.store.legible import reading
+from palpate.store.records import ThingRef
+from palpate.store.store import Store
+from palpate.store.things import Thing, is_thing, things_where
+from palpate.store.viewing import Viewer, known_things
+
+__all__ = [
+    "ThingFilter",
+    "ThingPage",
+    "count_things",
+    "is_all_theirs",
+    "list_visible_things",
+    "rows_of",
+    "things_by_name",
+    "visible_thing",
+]
+
+CHUNK = 200
+
+
+@dataclass(frozen=True)
+class ThingFilter:
+    """Conditions that all hold; what is None is not asked.
+
+    Attributes
+    ----------
+    text
+        A part of dataset, name, common name, maker or an alias, in any case.
+    dataset
+        As recorded.
+    known
+        What the object is known to be, as pairs of property and label.
+    action, property, gripper
+        Of a recording of it that is seen.
+    """
+
+    text: str | None = None
+    dataset: str | None = None
+    known: Sequence[tuple[str, str]] = ()
+    action: str | None = None
+    property: str | None = None
+    gripper: str | None = None
+
+    def conditions(self, viewer: Viewer) -> Iterator[ColumnElement[bool]]:
+        """On `schema.things`."""
+        columns = schema.things.c
+        if self.text is not None:
+            named = (columns.dataset, columns.name, columns.common_name, columns.maker, columns.aliases)
+            asked = self.text.lower()
+            yield or_(*(func.lower(column).contains(asked, autoescape=True) for column in named))
+        if self.dataset is not None:
+            yield columns.dataset == self.dataset
+        for name, label in self.known:
+            yield columns.id.in_(known_things(viewer, name, label))
+        measured = list(self._measured(viewer))
+        if measured:
+            head = func.coalesce(schema.things.c.merged_into, schema.things.c.id)
+            yield columns.id.in_(
+                select(head)
+                .join(schema.recordings, schema.recordings.c.thing_id == schema.things.c.id)
+                .where(*measured)
+            )
+
+    def _measured(self, viewer: Viewer) -> Iterator[ColumnElement[bool]]:
+        recordings, entries = schema.recordings, schema.entries.c
+        for name in ("action", "gripper"):
+            if getattr(self, name) is not None:
+                yield recordings.c[name] == getattr(self, name)
+        if self.property is not None:
+            yield exists().where(entries.recording_id == recordings.c.id, entries.property == self.property)
+        if self.action is not None or self.gripper is not None or self.property is not None:
+            yield viewer.of(recordings)
+
+
+@dataclass(frozen=True)
+class ThingPage:
+    """Some objects, and the cursor that the next page begins after; None where there is none."""
+
+    rows: tuple[Thing, ...]
+    cursor: str | None
+
+
+def list_visible_things(
+    store: Store, viewer: Viewer, wanted: ThingFilter | None = None, *, limit: int = 50, cursor: str | None = None
+) -> ThingPage:
+    """Objects by dataset and name, those merged into another one left out; what is counted is what is seen.
+
+    Raises
+    ------
+    StoreError
+        If the cursor is not of a list of objects.
+    """
+    columns = schema.things.c
+    asked = _asked(viewer, wanted or ThingFilter())
+    if cursor is not None:
+        asked = asked.where(tuple_(columns.dataset, columns.name) > tuple_(*_place(cursor)))
+    asked = asked.order_by(columns.dataset, columns.name).limit(limit)
+    with reading(store.engine) as connection:
+        rows = list(connection.scalars(asked))
+        found = sorted(things_where(connection, columns.id.in_(rows)), key=lambda one: (one.ref.dataset, one.ref.id))
+        seen = _as_seen(connection, viewer, found)
+    end = _cursor(found[-1].ref) if found and len(found) == limit else None
+    return ThingPage(tuple(seen), end)
+
+
+def count_things(store: Store, viewer: Viewer) -> int:
+    """How many objects there are to see."""
+    with reading(store.engine) as connection:
+        return connection.scalar(select(func.count()).select_from(_asked(viewer, ThingFilter()).subquery())) or 0
+
+
+def visible_thing(store: Store, viewer: Viewer, dataset: str, name: str) -> Thing | None:
+    """The object of a dataset and a name, or None where there is none to see."""
+    seen = or_(viewer.things(), schema.things.c.id.in_(viewer.heads()))
+    with reading(store.engine) as connection:
+        found = list(things_where(connection, is_thing(ThingRef(dataset, name)) & seen))
+        return next(iter(_as_seen(connection, viewer, found)), None)
+
+
+def is_all_theirs(store: Store, name: str, thing: ThingRef) -> bool:
+    """Whether each recording of an object, and of those merged into it, is somebody's; no where there is none."""
+    recordings = schema.recordings.c
+    asked = select(func.count(), func.count().filter(recordings.owner == name)).where(
+        recordings.thing_id.in_(rows_of(thing))
+    )
+    with reading(store.engine) as connection:
+        count, own = connection.execute(asked).one()
+    return bool(count) and bool(count == own)
+
+
+def rows_of(thing: ThingRef) -> Select[int]:
+    """Rows of an object and of those merged into it."""
+    things = schema.things
+    own = select(things.c.id).where(is_thing(thing))
+    return select(things.c.id).where(or_(things.c.id.in_(own), things.c.merged_into.in_(own)))
+
+
+def _asked(viewer: Viewer, wanted: ThingFilter) -> Select[int]:
+    columns = schema.things.c
+    shown = (columns.merged_into.is_(None), columns.id.in_(viewer.heads()))
+    return select(columns.id).where(*shown, *wanted.conditions(viewer))
+
+
+def _as_seen(connection: Connection, viewer: Viewer, found: Sequence[Thing]) -> list[Thing]:
+    """Objects with what is merged into them and with their numbers of recordings as a viewer sees them."""
+    if viewer.everything:
+        return list(found)
+    things, recordings, head = schema.things, schema.recordings, schema.things.alias("head")
+    joined = or_(things.c.id == head.c.id, things.c.merged_into == head.c.id)
+    named = (head.c.dataset, head.c.name)
+    those = tuple_(*named).in_([(one.ref.dataset, one.ref.id) for one in found])
+    merged = select(*named, things.c.dataset, things.c.name).join(head, joined).where(those, viewer.things())
+    seen = {tuple(row) for row in connection.execute(merged)}
+    counted = (
+        select(*named, func.count())
+        .select_from(recordings)
+        .join(things, things.c.id == recordings.c.thing_id)
+        .join(head, joined)
+        .where(those, viewer.of(recordings))
+        .group_by(*named)
+    )
+    counts = {(row[0], row[1]): row[2] for row in connection.execute(counted)}
+    return [
+        replace(
+            one,
+            merged=tuple(part for part in one.merged if (one.ref.dataset, one.ref.id, part.dataset, part.id) in seen),
+            recordings=counts.get((one.ref.dataset, one.ref.id), 0),
+        )
+        for one in found
+    ]
+
+
+def _cursor(thing: ThingRef) -> str:
+    return base64.urlsafe_b64encode(json.dumps([thing.dataset, thing.id]).encode()).decode().rstrip("=")
+
+
+def _place(cursor: str) -> Sequence[str]:
+    try:
+        plain = json.loads(base64.urlsafe_b64decode(cursor + "=" * (-len(cursor) % 4)))
+    except (ValueError, RecursionError):
+        plain = None
+    if not (isinstance(plain, list) and len(plain) == 2 and all(isinstance(part, str) for part in plain)):
+        raise StoreError(f"cursor: {cursor!r} is not of a list of objects, expected the cursor of its last page")
+    return plain
+
+
+def things_by_name(store: Store, viewer: Viewer, names: Collection[tuple[str, str]]) -> Mapping[tuple[str, str], Thing]:
+    """Those of these objects, by dataset and name, that are seen; what is merged into them and counts are left out."""
+    columns = schema.things.c
+    seen = or_(viewer.things(), columns.id.in_(viewer.heads()))
+    ordered, found = sorted(names), dict[tuple[str, str], Thing]()
+    with reading(store.engine) as connection:
+        for part in (ordered[start : start + CHUNK] for start in range(0, len(ordered), CHUNK)):
+            condition = tuple_(columns.dataset, columns.name).in_(part) & seen
+            for thing in things_where(connection, condition):
+                found[thing.ref.dataset, thing.ref.id] = replace(thing, merged=(), recordings=0)
+    return found

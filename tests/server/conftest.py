@@ -1,0 +1,45 @@
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from fastapi.testclient import TestClient
+
+from palpate.server.app import application
+from palpate.server.security.accounts import Role, add_user, issue
+from palpate.server.settings import Settings
+from palpate.store.blobs import FolderBlobs
+from palpate.store.opening import open_store
+from palpate.store.store import Store
+from tests.store.places import check_services, emptied
+
+KEY = "the key of whoever started it"
+SMALL = Settings(key=KEY, largest_upload_bytes=1 << 20, largest_unpacked_bytes=1 << 20, requests_per_s=None)
+Headers = dict[str, str]
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def store(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Store]:
+    """A new store in a file, and one in PostgreSQL."""
+    check_services(request.param)
+    place = emptied() if request.param == "postgresql" else tmp_path / "store.sqlite"
+    opened = open_store(place, tmp_path / "unused", durable=False)
+    with Store(opened.engine, FolderBlobs(tmp_path / "blobs")) as found:
+        yield found
+
+
+@pytest.fixture
+def client(store: Store) -> Iterator[TestClient]:
+    """The application without a network in between; an unforeseen error is an answer as it is for others."""
+    with TestClient(application(store, SMALL), raise_server_exceptions=False) as found:
+        yield found
+
+
+@pytest.fixture
+def token(store: Store) -> Callable[..., Headers]:
+    """Make an account of a role and give the header that its token is sent in."""
+
+    def made(name: str, role: Role = Role.OWNER) -> Headers:
+        add_user(store, name, role)
+        return {"Authorization": f"Bearer {issue(store, name)}"}
+
+    return made

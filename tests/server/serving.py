@@ -1,0 +1,40 @@
+"""The command itself, in a process of its own."""
+
+import os
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from urllib.error import URLError
+from urllib.request import urlopen
+
+
+def free_port() -> int:
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        port: int = found.getsockname()[1]
+        return port
+
+
+@contextmanager
+def served(place: Path | str, *options: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
+    """Serve a store, and give the address once it answers."""
+    port = free_port()
+    command = [sys.executable, "-m", "palpate", "serve", "--store", str(place), "--port", str(port), *options]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=dict(os.environ))
+    address = f"http://127.0.0.1:{port}"
+    try:
+        for _ in range(300):
+            try:
+                urlopen(f"{address}/health").close()
+                break
+            except (URLError, ConnectionError):
+                assert process.poll() is None, process.communicate()
+                time.sleep(0.1)
+        yield address, process
+    finally:
+        process.kill()
+        process.communicate()

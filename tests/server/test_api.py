@@ -1,0 +1,245 @@
+"""What the service tells is what the store holds."""
+
+import csv
+import io
+from collections.abc import Callable
+from datetime import timedelta
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from fastapi.testclient import TestClient
+
+from palpate.server.api import models
+from palpate.store.describing import change_thing, keep_image
+from palpate.store.entries import Distribution, Value
+from palpate.store.keeping_episodes import put_episode
+from palpate.store.merging import merge_things
+from palpate.store.records import Channel, Device, FileItem, Recording, Series, Setup, ThingRef
+from palpate.store.store import Store
+from tests.store.made_up import START, made_episode, squeeze
+
+API = "/api/v1"
+PNG = b"\x89PNG\r\n\x1a\n and so on"
+
+
+def public(number: int = 0, **changes: object) -> Recording:
+    return squeeze(number, **{"visibility": "public", **changes})
+
+
+def test_pages_follow_each_other_without_gap_or_repetition(client: TestClient, store: Store) -> None:
+    """All rows come once, the last recorded first, also while more are added."""
+    put = [public(number) for number in range(7)]
+    store.put_many(put)
+    found, address = [], f"{API}/recordings?limit=3"
+    while address:
+        answer = client.get(address)
+        found += [item["digest"] for item in answer.json()["items"]]
+        store.put(public(100 + len(found), recorded_at=START + timedelta(days=1)))
+        address = answer.links.get("next", {}).get("url", "")
+    assert found == [one.digest for one in reversed(put)]
+
+
+def test_a_recording_is_told_whole(client: TestClient, store: Store) -> None:
+    """A recording has all its fields, and leads to its samples."""
+    recording = public(3, notices=("cold",), log="closing\n")
+    store.put(recording)
+    plain = client.get(f"{API}/recordings/{recording.id}").json()
+    assert client.get(f"{API}/recordings/{recording.digest}").json() == plain
+    assert models.Recording.model_validate(plain).digest == recording.digest
+    assert plain["entries"] == [{"kind": "value", "property": "elasticity", "value": 43.0, "sd": 10.0, "unit": "kPa"}]
+    assert plain["setup"] == recording.setup.digest
+    assert client.get(f"{plain['url']}/log").text == "closing\n"
+    samples = client.get(plain["series"][0]["url"]).json()
+    for told, channel in zip(samples["channels"], recording.series[0].channels, strict=True):
+        assert np.array_equal(np.array(told["values"], channel.values.dtype), channel.values)
+
+
+def test_samples_as_csv_and_arrow(client: TestClient, store: Store) -> None:
+    """Both tables hold the same numbers as the series, with their times, and null or empty where there is none."""
+    values = np.array([1.5, np.nan, -2.0])
+    series = Series("gripper", (Channel("=force", "force", "N", values, rate_hz=10.0),))
+    recording = public(series=(series,))
+    store.put(recording)
+    address = f"{API}/recordings/{recording.id}/series/0"
+    rows = list(csv.DictReader(io.StringIO(client.get(f"{address}?format=csv").text)))
+    assert [row["value"] for row in rows] == ["1.5", "nan", "-2.0"]
+    assert [float(row["time_s"]) for row in rows] == [0.0, 0.1, 0.2]
+    # a spreadsheet would take it for a formula
+    assert rows[0]["channel"] == "'=force"
+    table = pa.ipc.open_stream(client.get(f"{address}?format=arrow").content).read_all()
+    assert np.array_equal(table["value"].to_numpy(), values, equal_nan=True)
+    assert table["channel"].to_pylist() == ["=force"] * 3
+    assert client.get(address).json()["channels"][0]["values"] == [1.5, None, -2.0]
+
+
+def test_a_sound_can_be_heard(client: TestClient, store: Store) -> None:
+    """A channel of many samples a second is a WAV file of so many; another one is none."""
+    tone = np.sin(np.arange(8000) / 5)
+    channels = (
+        Channel("left", "sound pressure", None, tone, rate_hz=8000.0),
+        Channel("force", "force", "N", np.zeros(9), rate_hz=9.0),
+    )
+    recording = public(series=(Series("microphone", channels),))
+    store.put(recording)
+    address = f"{API}/recordings/{recording.id}/series/0/channels"
+    sound = client.get(f"{address}/0/sound")
+    assert sound.headers["content-type"] == "audio/wav"
+    samples = np.frombuffer(sound.content[44:], "<i2")
+    assert np.allclose(samples / 32767, tone / np.abs(tone).max(), atol=1e-4)
+    assert int.from_bytes(sound.content[24:28], "little") == 8000
+    assert client.get(f"{address}/1/sound").status_code == 404
+
+
+@pytest.mark.parametrize(
+    ("asked", "expected"),
+    [
+        ("object=object1", {1, 4}),
+        ("dataset=made_up&limit=2", {4, 5}),
+        ("action=weighing", {5}),
+        ("property=mass", {5}),
+        ("gripper=other", {4}),
+        ("device=other", {4}),
+        ("owner=ann", {0}),
+        ("ground_truth=true", {3}),
+        ("text=COLD", {2}),
+        ("since=2024-05-01T12:00:04Z", {4, 5}),
+        ("until=2024-05-01T12:00:01", {0}),
+        ("label=material:wood", {1}),
+        ("known=material:metal", {2, 5}),
+        ("material=metal", {2, 5}),
+        ("sort=recorded&order=ascending&limit=1", {0}),
+        ("action=&owner=", {0, 1, 2, 3, 4, 5}),
+    ],
+)
+def test_filters(client: TestClient, store: Store, asked: str, expected: set[int]) -> None:
+    """Each filter lets through what it says."""
+    changes: list[dict[str, object]] = [
+        {"owner": "ann"},
+        {"entries": (Distribution("material", {"wood": 0.9, "foam": 0.1}),)},
+        {"notices": ("a cold room",)},
+        {"ground_truth": True},
+        {"setup": Setup(gripper=Device("gripper", "other"))},
+        {"action": "weighing", "entries": (Value("mass", 5.0, None, "g"),)},
+    ]
+    put = [public(number, **change) for number, change in enumerate(changes)]
+    store.put_many(put)
+    metal = Distribution("material", {"metal": 1.0})
+    change_thing(store, put[2].thing, lambda thing: thing.knowing(metal, "a label"))
+    found = {item["digest"] for item in client.get(f"{API}/recordings?{asked}").json()["items"]}
+    assert found == {put[number].digest for number in expected}
+
+
+def test_fields_are_those_asked_for(client: TestClient, store: Store) -> None:
+    """Only these fields, in this order; one that there is not is an error that names the others."""
+    store.put(public())
+    (item,) = client.get(f"{API}/recordings?fields=action,id").json()["items"]
+    assert list(item) == ["action", "id"]
+    wrong = client.get(f"{API}/recordings?fields=action,colour")
+    assert wrong.status_code == 422
+    assert wrong.json()["errors"][0]["field"] == "query.fields"
+    assert "visibility" in wrong.json()["detail"]
+
+
+def test_objects_with_all_that_is_known(client: TestClient, store: Store) -> None:
+    """An object has its description, its pictures, and the recordings of those merged into it."""
+    mug, cup = ThingRef("our/lab", "..", common_name="mug"), ThingRef("ycb", "cup")
+    store.put_many([public(1, thing=mug), public(2, thing=cup)])
+    merge_things(store, cup, mug)
+    image = keep_image(store, "front.png", "image/png", PNG)
+    mass = Value("mass", 118.0, 1.0, "g")
+    change_thing(store, mug, lambda thing: thing.knowing(mass, "our scale").showing(image))
+    (item,) = client.get(f"{API}/objects").json()["items"]
+    assert models.Object.model_validate(item).recordings == 2
+    assert client.get(item["url"]).json() == item
+    assert item["merged"] == [{"dataset": "ycb", "name": "cup"}]
+    assert item["known"] == [
+        {"entry": {"kind": "value", "property": "mass", "value": 118.0, "sd": 1.0, "unit": "g"}, "source": "our scale"}
+    ]
+    picture = client.get(item["images"][0]["url"])
+    assert (picture.content, picture.headers["content-type"]) == (PNG, "image/png")
+    assert client.get(f"{API}/objects?text=MUG&property=elasticity&gripper=two_finger").json()["items"] == [item]
+    assert client.get(f"{API}/objects?text=mug&action=weighing").json()["items"] == []
+
+
+def test_pages_of_objects(client: TestClient, store: Store) -> None:
+    """Objects come by data set and name, each once."""
+    names = ["b", "a", "d", "c"]
+    store.put_many([public(n, thing=ThingRef("made_up", name)) for n, name in enumerate(names)])
+    found, address = [], f"{API}/objects?limit=3"
+    while address:
+        answer = client.get(address)
+        found += [item["name"] for item in answer.json()["items"]]
+        address = answer.links.get("next", {}).get("url", "")
+    assert found == sorted(names)
+
+
+def test_entries_devices_setups_properties(client: TestClient, store: Store) -> None:
+    """Each list has what the recordings are made of."""
+    store.put_many(
+        [public(1), public(2, entries=(Value("mass", 5.0, 1.0, "g"), Value("elasticity", 1.0, None, "kPa")))]
+    )
+    rows = client.get(f"{API}/entries?property=elasticity").json()["items"]
+    assert [models.EntryRow.model_validate(row).value_si for row in rows] == [1000.0, 41000.0]
+    (device,) = client.get(f"{API}/devices").json()["items"]
+    assert models.Device.model_validate(device).recordings == 2
+    (setup,) = client.get(f"{API}/setups").json()["items"]
+    assert client.get(f"{API}/setups/{setup['digest']}").json() == setup
+    assert models.Setup.model_validate(setup).devices[0].name == "two_finger"
+    assert client.get(f"{API}/properties").json()["items"] == [
+        {"name": "elasticity", "unit": "kPa", "entries": 2},
+        {"name": "mass", "unit": "g", "entries": 1},
+    ]
+
+
+def test_episodes_lead_to_their_recordings(client: TestClient, store: Store) -> None:
+    """A step names the recording of its action by the id that the store has it under."""
+    recording = public(1)
+    store.put(recording)
+    episode = made_episode(recording, stop="nothing is left", visibility="public")
+    put_episode(store, episode)
+    (row,) = client.get(f"{API}/episodes").json()["items"]
+    plain = client.get(row["url"]).json()
+    assert models.EpisodeRow.model_validate(row).stop == "nothing is left"
+    assert models.Episode.model_validate(plain).digest == episode.digest
+    assert [step["recording"] for step in plain["steps"]] == [str(recording.id), None]
+    assert plain["header"] == episode.header
+
+
+def test_a_part_of_a_file(client: TestClient, store: Store) -> None:
+    """A range gives its bytes, one that is outside is an error, and one that cannot be read gives all."""
+    recording = public(files=(FileItem("cam/front.png", "image/png", PNG),))
+    store.put(recording)
+    address = f"{API}/recordings/{recording.id}/files/0"
+    whole = client.get(address)
+    assert (whole.content, whole.headers["accept-ranges"]) == (PNG, "bytes")
+    for asked, expected in [
+        ("bytes=2-4", PNG[2:5]),
+        ("bytes=5-", PNG[5:]),
+        ("bytes=-3", PNG[-3:]),
+        ("bytes=0-999", PNG),
+    ]:
+        part = client.get(address, headers={"Range": asked})
+        assert (part.status_code, part.content) == (206, expected)
+    assert client.get(address, headers={"Range": "bytes=99-"}).status_code == 416
+    for odd in ("bytes=a-b", "lines=1-2", "bytes=1-2,4-5", "bytes=-", f"bytes={'9' * 5000}-"):
+        assert client.get(address, headers={"Range": odd}).content == PNG
+    assert client.get(address, headers={"If-None-Match": whole.headers["etag"]}).status_code == 304
+
+
+def test_the_document_describes_what_is_there(client: TestClient) -> None:
+    """The OpenAPI document has each address, and problems as the form of errors."""
+    document = client.get(f"{API}/openapi.json").json()
+    assert f"{API}/recordings/{{digest}}" in document["paths"]
+    listed = document["paths"][f"{API}/recordings"]["get"]
+    assert {one["name"] for one in listed["parameters"]} >= {"limit", "cursor", "material", "since"}
+    assert listed["responses"]["422"]["content"]["application/json"]["schema"]["$ref"].endswith("/Problem")
+
+
+def test_health_and_metrics(client: TestClient, token: Callable[..., dict[str, str]]) -> None:
+    """Health is told, and requests are counted by route, not by what was asked."""
+    assert client.get("/health").json() == {"status": "ok"}
+    client.get(f"{API}/recordings/nothing")
+    told = client.get("/metrics").text
+    assert "palpate_requests_total" in told
+    assert "nothing" not in told

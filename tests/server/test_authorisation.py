@@ -1,0 +1,236 @@
+"""Every end point, asked by everybody: what somebody may not see is nowhere, and looks like what is not there."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+
+from palpate.server.names import thing_address
+from palpate.server.security.accounts import Role, add_user, issue
+from palpate.store.describing import change_thing, keep_image
+from palpate.store.entries import Distribution, Value
+from palpate.store.keeping_episodes import put_episode
+from palpate.store.merging import merge_things
+from palpate.store.records import Channel, Device, FileItem, Recording, Series, Setup, ThingRef
+from palpate.store.store import Store
+from tests.server.conftest import KEY
+from tests.server.test_corrections import OPERATIONS
+from tests.store.made_up import made_episode, squeeze
+
+API = "/api/v1"
+VISIBILITIES = ("private", "lab", "public")
+PEOPLE = ("anonymous", "reader", "ann", "curator", "admin", "host")
+SEEN = {
+    "anonymous": {"public"},
+    "reader": {"public", "lab"},
+    "ann": {"public", "lab", "private"},
+    "curator": {"public", "lab"},
+    "admin": {"public", "lab", "private"},
+    "host": {"public", "lab", "private"},
+}
+ROLES = {"reader": Role.READER, "ann": Role.OWNER, "curator": Role.CURATOR, "admin": Role.ADMIN}
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+@dataclass
+class World:
+    """A store in which all that belongs to a recording has the recording's visibility in its name."""
+
+    store: Store
+    recordings: dict[str, Recording]
+    episodes: dict[str, Any]
+    setups: dict[str, str]
+    headers: dict[str, dict[str, str]]
+
+    def addresses(self, visibility: str) -> Iterator[str]:
+        """All that is about one recording, its object, its setup and its exploration."""
+        recording = self.recordings[visibility]
+        for key in (recording.id, recording.digest):
+            one = f"{API}/recordings/{key}"
+            yield from (one, f"{one}/files", f"{one}/files/0", f"{one}/log", f"{one}/series", f"{one}/series/0")
+            yield f"{one}/series/0/channels/0/sound"
+            yield f"/recordings/{key}"
+            yield f"/recordings/{key}/series/0/channels/0/spectrogram.png"
+        thing = thing_address(recording.thing)
+        yield from (f"{API}/objects/{thing}", f"{API}/objects/{thing}/images/0", f"/objects/{thing}")
+        yield from (f"{API}/setups/{recording.setup.digest}", f"/setups/{recording.setup.digest}")
+        yield from (f"{API}/episodes/{self.episodes[visibility].id}", f"/episodes/{self.episodes[visibility].id}")
+
+
+LISTS = [
+    *(f"{API}/{name}" for name in ("objects", "recordings", "entries", "devices", "setups", "properties", "episodes")),
+    *(f"{API}/{name}?text=marker" for name in ("objects", "recordings", "entries")),
+    *(f"{API}/{name}?object=marker-shared" for name in ("recordings", "entries", "episodes")),
+    "/",
+    "/objects",
+    "/recordings",
+    "/devices",
+    "/compare?property=mass",
+    "/compare/table.csv?property=mass",
+    "/episodes",
+    "/objects/lab/marker-shared",
+]
+
+
+def made(visibility: str) -> Recording:
+    marker = f"marker-{visibility}"
+    tone = Channel("sound", "sound pressure", None, squeeze().series[0].channels[0].values, rate_hz=8000.0)
+    return squeeze(
+        VISIBILITIES.index(visibility),
+        visibility=visibility,
+        owner="ann",
+        thing=ThingRef("lab", marker, common_name=f"{marker} thing"),
+        setup=Setup(gripper=Device("gripper", f"{marker}-gripper")),
+        series=(Series(f"{marker}-series", (tone,)),),
+        files=(FileItem(f"{marker}.png", "image/png", PNG + marker.encode()),),
+        entries=(Value("mass", 5.0, 1.0, "g"), Value(f"{marker}-property", 1.0, None, "g")),
+        notices=(f"{marker} notice",),
+        log=f"{marker} log",
+    )
+
+
+@pytest.fixture
+def world(store: Store) -> World:
+    recordings = {name: made(name) for name in VISIBILITIES}
+    store.put_many(recordings.values())
+    shared = squeeze(9, visibility="public", thing=ThingRef("lab", "marker-shared"))
+    store.put(shared)
+    episodes = {}
+    for name, recording in recordings.items():
+        episode = made_episode(recording, visibility=name, owner="ann", thing=recording.thing)
+        put_episode(store, episode)
+        episodes[name] = episode
+        image = keep_image(store, f"marker-{name}.png", "image/png", PNG)
+        change_thing(store, recording.thing, lambda thing, image=image: thing.showing(image))  # type: ignore[misc]
+        # an object that all see, and of which each sees the parts that they may
+        merge_things(store, recording.thing, shared.thing)
+    headers = {"anonymous": {}, "host": {"Cookie": f'palpate-key="{KEY}"', "Origin": "http://testserver"}}
+    for name, role in ROLES.items():
+        add_user(store, name, role)
+        headers[name] = {"Authorization": f"Bearer {issue(store, name)}"}
+    setups = {name: one.setup.digest for name, one in recordings.items()}
+    return World(store, recordings, episodes, setups, headers)
+
+
+@pytest.mark.parametrize("person", PEOPLE)
+def test_what_may_not_be_seen_is_not_there(client: TestClient, world: World, person: str) -> None:
+    """Each address of a recording, its parts, object, setup and exploration: there, or as if it were not."""
+    for visibility in VISIBILITIES:
+        for address in world.addresses(visibility):
+            found = client.get(address, headers=world.headers[person])
+            expected = 200 if visibility in SEEN[person] else 404
+            if expected == 200 and address.startswith("/episodes"):
+                expected = 422  # the made-up exploration has no belief to show
+            assert found.status_code == expected, (person, address, found.text[:300])
+            if expected == 404:
+                assert f"marker-{visibility}" not in re.sub(r"object lab/\S+:", "", found.text)
+
+
+@pytest.mark.parametrize("person", PEOPLE)
+def test_lists_and_searches_hold_only_what_may_be_seen(client: TestClient, world: World, person: str) -> None:
+    """No list, search, count or page holds a word of what somebody may not see, and all hold what they may."""
+    for address in LISTS:
+        found = client.get(address, headers=world.headers[person])
+        assert found.status_code == 200, (address, found.text[:300])
+        for visibility in VISIBILITIES:
+            if visibility not in SEEN[person]:
+                assert f"marker-{visibility}" not in found.text, (person, address)
+    for name in ("recordings", "episodes", "devices", "setups"):
+        count = len(client.get(f"{API}/{name}", headers=world.headers[person]).json()["items"])
+        assert count == len(SEEN[person]) + (name != "episodes")
+    shared = client.get(f"{API}/objects/lab/marker-shared", headers=world.headers[person]).json()
+    assert {one["name"] for one in shared["merged"]} == {f"marker-{name}" for name in SEEN[person]}
+    assert shared["recordings"] == len(SEEN[person]) + 1
+    (mass,) = (
+        one
+        for one in client.get(f"{API}/properties", headers=world.headers[person]).json()["items"]
+        if one["name"] == "mass"
+    )
+    assert mass["entries"] == len(SEEN[person])
+
+
+@pytest.mark.parametrize("person", PEOPLE)
+def test_who_has_accounts_and_tokens(client: TestClient, world: World, person: str) -> None:
+    """Administrators see all accounts, everybody their own tokens, and nobody ends those of others."""
+    headers = world.headers[person]
+    is_admin = person in ("admin", "host")
+    expected = 401 if person == "anonymous" else 200
+    of_all = 401 if person == "anonymous" else 200 if is_admin else 403
+    assert client.get(f"{API}/users", headers=headers).status_code == of_all
+    listed = client.get(f"{API}/tokens", headers=headers)
+    assert listed.status_code == expected
+    if expected == 200:
+        users = {one["user"] for one in listed.json()["items"]}
+        assert users == (set(ROLES) if is_admin else {person})
+        assert "palpate_" not in listed.text
+    of_reader = client.get(f"{API}/tokens", headers=world.headers["reader"]).json()["items"][0]["id"]
+    ended = client.delete(f"{API}/tokens/{of_reader}", headers=headers).status_code
+    assert ended == (401 if person == "anonymous" else 204 if is_admin or person == "reader" else 404)
+    still = client.get(f"{API}/recordings", headers=world.headers["reader"]).status_code
+    assert still == (401 if ended == 204 else 200)
+
+
+def test_what_is_known_in_private_does_not_show_in_a_filter(client: TestClient, world: World) -> None:
+    """A filter by what an object is known to be goes by what the asker may know."""
+    secret = squeeze(
+        20,
+        visibility="private",
+        owner="ann",
+        ground_truth=True,
+        thing=ThingRef("lab", "marker-shared"),
+        entries=(Distribution("material", {"wood": 1.0}),),
+    )
+    world.store.put(secret)
+    for address in (
+        f"{API}/recordings?known=material:wood",
+        f"{API}/recordings?material=wood",
+        f"{API}/objects?known=material:wood",
+    ):
+        assert client.get(address).json()["items"] == []
+        assert client.get(address, headers=world.headers["ann"]).json()["items"]
+
+
+def test_no_address_was_forgotten(client: TestClient, world: World) -> None:
+    """Each operation of the service is asked above, or tested to need more."""
+    document = client.get(f"{API}/openapi.json").json()
+    patterns = [
+        re.compile(re.sub(r"\\{\w+\\}", "[^/]+", re.escape(path)) + r"(\?.*)?")
+        for path, methods in document["paths"].items()
+        if "get" in methods
+    ]
+    asked = [
+        *world.addresses("public"),
+        *LISTS,
+        f"{API}/users",
+        f"{API}/tokens",
+        "/health",
+        "/metrics",
+        f"{API}/objects/a/b/history",
+    ]
+    assert not [pattern.pattern for pattern in patterns if not any(pattern.fullmatch(one) for one in asked)]
+    others = {
+        (method, path) for path, methods in document["paths"].items() for method in methods if method not in ("get",)
+    }
+    thing = f"{API}/objects/{{dataset}}/{{name}}"
+    corrections = {(method.lower(), f"{thing}{path.partition('?')[0]}") for method, path, _ in OPERATIONS}
+    assert others == {
+        ("put", f"{API}/recordings/{{digest}}"),
+        ("post", f"{API}/recordings"),
+        ("delete", f"{API}/tokens/{{id}}"),
+        *(one for one in corrections if one[0] != "get"),
+    }
+
+
+def test_a_token_ends(client: TestClient, store: Store, world: World) -> None:
+    """An expired token is refused, also where none is needed; a lesser one does less than its account may."""
+    expired = issue(store, "ann", days=1e-9)
+    assert client.get(f"{API}/recordings", headers={"Authorization": f"Bearer {expired}"}).status_code == 401
+    lesser = {"Authorization": f"Bearer {issue(store, 'admin', Role.READER)}"}
+    assert client.get(f"{API}/users", headers=lesser).status_code == 403
+    assert {one["visibility"] for one in client.get(f"{API}/recordings", headers=lesser).json()["items"]} == {
+        "public",
+        "lab",
+    }

@@ -1,0 +1,215 @@
+"""The pages in a real browser: what people do, without an error on the console or a request to another host."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+import numpy as np
+import pytest
+
+from palpate.server.example import add_example
+from palpate.server.security.accounts import Role, add_user, set_password, users
+from palpate.store.blobs import FolderBlobs
+from palpate.store.keeping_episodes import get_episode, put_episode
+from palpate.store.listing_episodes import list_episodes
+from palpate.store.opening import open_store
+from palpate.store.pictures import png
+from palpate.store.records import Channel, FileItem, Series, ThingRef
+from palpate.store.store import Store
+from tests.server.serving import served
+from tests.store.made_up import squeeze
+from tests.store.places import check_services, emptied
+
+CHROMIUM = os.environ.get("PALPATE_TEST_CHROMIUM") or shutil.which("chromium")
+playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+pytestmark = [
+    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed, and PALPATE_TEST_CHROMIUM not set"),
+    # the event loop of playwright is closed by the process that it talks to
+    pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
+]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with playwright.sync_playwright() as started:
+        found = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield found
+        found.close()
+
+
+@pytest.fixture(scope="module", params=["sqlite", "postgresql"])
+def place(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
+    """Where a store and its blobs are."""
+    check_services(request.param)
+    folder = tmp_path_factory.mktemp("site")
+    where = str(emptied() if request.param == "postgresql" else folder / "store.sqlite")
+    return where, str(folder / "blobs")
+
+
+@pytest.fixture(scope="module")
+def site(place: tuple[str, str]) -> Iterator[str]:
+    """A server with example data, and with a recording that has a sound and a picture."""
+    with Store(open_store(*place, durable=False).engine, FolderBlobs(Path(place[1]))) as store:
+        add_example(store, count=60)
+        tone = Channel("sound", "sound pressure", None, np.sin(np.arange(16_000) / 5), rate_hz=8000.0)
+        store.put(
+            squeeze(
+                visibility="public",
+                thing=ThingRef("lab", "bell"),
+                action="knocking",
+                series=(Series("microphone", (tone,)),),
+                files=(
+                    FileItem("front.png", "image/png", png(np.full((40, 60, 3), 99, np.uint8), "front")),
+                    FileItem("note.html", "text/html", b"<script>document.title = 'evil'</script>"),
+                ),
+            )
+        )
+    with served(place[0], "--blobs", place[1]) as (address, _):
+        yield address
+
+
+@pytest.fixture(params=["desktop", "phone"])
+def page(request: pytest.FixtureRequest, browser: Any, site: str) -> Iterator[Any]:
+    """A page that minds errors, requests to other hosts, and what does not fit on the screen."""
+    size = {"desktop": {"width": 1200, "height": 900}, "phone": {"width": 390, "height": 844}}[request.param]
+    context = browser.new_context(base_url=site, viewport=size, color_scheme="dark")
+    found, faults = context.new_page(), []
+    found.on("console", lambda message: faults.append(message.text) if message.type in ("error", "warning") else None)
+    found.on("pageerror", lambda error: faults.append(str(error)))
+    found.on("request", lambda asked: None if asked.url.startswith(site) else faults.append(asked.url))
+    found.on("response", lambda answer: None if answer.status < 400 else faults.append(f"{answer.status} {answer.url}"))
+    found.on("domcontentloaded", lambda _: _fits(found, faults))
+    yield found
+    assert not faults
+    context.close()
+
+
+def _fits(page: Any, faults: list[str]) -> None:
+    if page.evaluate("document.documentElement.scrollWidth > document.documentElement.clientWidth"):
+        faults.append(f"{page.url} is wider than the screen")
+
+
+def test_browse_search_and_open_a_recording(page: Any) -> None:
+    """From the first page to an object by a search, and from a point of its plot to the recording behind it."""
+    page.goto("/")
+    page.get_by_role("searchbox").fill("banana_ycb")
+    page.get_by_role("button", name="Search").click()
+    page.get_by_role("link", name="banana ycb").first.click()
+    page.wait_for_url("**/objects/simulated/banana_ycb")
+    assert page.locator("svg.plot circle.dot").count() > 2
+    page.locator("svg.plot a").first.dispatch_event("click")
+    page.wait_for_url("**/recordings/*")
+    assert page.locator("svg.plot polyline").count() > 0
+
+
+def test_filters_leave_no_empty_fields_in_the_address(page: Any) -> None:
+    """An address that one may send to somebody has only what was asked."""
+    page.goto("/recordings")
+    page.get_by_label("Action", exact=True).fill("weighing")
+    page.get_by_role("button", name="Search").click()
+    page.wait_for_url("**/recordings?action=weighing&sort=recorded")
+    assert set(page.locator("tbody td:nth-child(3)").all_inner_texts()) == {"weighing"}
+    page.go_back()
+    assert page.get_by_label("Object", exact=True).is_enabled()
+
+
+def test_a_sound_plays_and_pictures_show(page: Any) -> None:
+    """The sound of a knock runs in the player, and its spectrogram and the picture have pixels."""
+    page.goto("/objects/lab/bell")
+    page.locator("table.rows td.date a").first.click()
+    seconds = page.locator("audio").first.evaluate(
+        "async player => { player.preload = 'auto'; player.load();"
+        " await new Promise(done => player.addEventListener('loadedmetadata', done)); return player.duration; }"
+    )
+    assert seconds == pytest.approx(2.0, abs=0.05)
+    for picture in page.locator("main img").all():
+        picture.scroll_into_view_if_needed()
+        picture.evaluate("one => one.decode()")
+        assert picture.evaluate("one => one.naturalWidth") > 10
+    with page.expect_download() as download:
+        page.get_by_role("link", name="note.html").click()
+    assert download.value.suggested_filename == "note.html"
+    assert page.title() != "evil"
+
+
+def test_step_through_an_exploration(page: Any) -> None:
+    """Each step shows its choice; from it one gets to the recording of its action."""
+    page.goto("/episodes")
+    page.locator("td.date a").first.click()
+    page.get_by_role("navigation", name="Steps").get_by_role("link").first.click()
+    page.wait_for_url("**?step=1")
+    assert page.locator("li.chosen").count() == 1
+    page.get_by_role("link", name="its signals").click()
+    page.wait_for_url("**/recordings/*")
+
+
+def test_log_in_and_correct_an_object(page: Any, place: tuple[str, str]) -> None:
+    """A curator logs in, renames an object, merges it with another one, splits it, and takes the name back."""
+    with Store(open_store(place[0], place[1], durable=False).engine, FolderBlobs(Path(place[1]))) as store:
+        if not users(store):
+            add_user(store, "carl", Role.CURATOR)
+            set_password(store, "carl", "correct horse battery")
+    page.goto("/")
+    page.get_by_role("link", name="Log in").click()
+    page.get_by_label("Name").fill("carl")
+    page.get_by_label("Password").fill("correct horse battery")
+    page.get_by_role("button", name="Log in").click()
+    page.get_by_text("carl").wait_for()
+    page.goto("/objects/lab/bell")
+    page.get_by_role("link", name="Change what is said of it").click()
+    page.get_by_label("Common name").fill("brass bell")
+    page.get_by_role("button", name="Save the description").click()
+    page.get_by_role("heading", name="brass bell").wait_for()
+    page.goto("/objects/lab/bell/edit")
+    page.get_by_label("Data set and name").fill("ycb/011_banana")
+    page.get_by_role("button", name="Let it count as that one").click()
+    page.get_by_text("It counts as").wait_for()
+    page.goto("/objects/lab/bell/edit")
+    page.get_by_role("button", name="Split it off again").click()
+    page.get_by_role("heading", name="brass bell").wait_for()
+    page.goto("/objects/lab/bell/edit")
+    page.get_by_role("button", name="Take back").click()
+    page.get_by_role("heading", name="bell", exact=True).wait_for()
+    page.get_by_role("button", name="Log out").click()
+    page.get_by_role("link", name="Log in").wait_for()
+
+
+def test_watch_an_exploration_that_another_process_makes(page: Any, place: tuple[str, str]) -> None:
+    """The page follows it step by step without being loaded again, and says in the end why it stopped."""
+    with Store(open_store(place[0], place[1], durable=False).engine, FolderBlobs(Path(place[1]))) as store:
+        shown = get_episode(store, list_episodes(store, limit=1).rows[0].id)
+        grown = replace(shown, steps=(), id=uuid4(), started_at=datetime.now(UTC))
+        put_episode(store, grown)
+        page.goto(f"/episodes/{grown.id}")
+        page.get_by_text("No step was taken yet").wait_for()
+        page.evaluate("window.same = true")
+        for number, step in enumerate(shown.steps[:-1], 1):
+            grown = grown.continued(step.record, step.recording)
+            put_episode(store, grown)
+            page.get_by_role("heading", name=f"Step {number}: which action?").wait_for(timeout=5000)
+        put_episode(store, grown.continued(shown.steps[-1].record))
+        page.get_by_role("status").get_by_text("It ended because").wait_for(timeout=5000)
+        assert page.evaluate("window.same")
+
+
+def test_keyboard_gets_past_the_menu(page: Any) -> None:
+    """The first stop of the tabulator leads to the content."""
+    page.goto("/compare")
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.textContent") == "Skip to the content"
+
+
+def test_pages_read_without_javascript(browser: Any, site: str) -> None:
+    """All that a page shows is there without a script."""
+    context = browser.new_context(base_url=site, java_script_enabled=False)
+    page = context.new_page()
+    page.goto("/objects?text=&property=elasticity&gripper=")
+    assert page.locator("li.card").count() > 3
+    page.locator("li.card a").first.click()
+    assert page.locator("svg.plot").count() > 0
+    context.close()

@@ -1,0 +1,170 @@
+"""Changing objects over the network: by those who may, noted, and reversible; by pages as by the service."""
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+
+from palpate.server.security.accounts import Role
+from palpate.store.audit import history
+from palpate.store.entries import Value
+from palpate.store.records import ThingRef
+from palpate.store.store import Store
+from palpate.store.things import find_thing
+from tests.server.conftest import KEY
+from tests.store.made_up import squeeze
+
+API = "/api/v1/objects"
+CUP, MUG = ThingRef("lab", "cup"), ThingRef("lab", "mug")
+Token = Callable[..., dict[str, str]]
+MASS = {"kind": "value", "property": "mass", "value": 118.0, "sd": 1.0, "unit": "g"}
+
+
+@pytest.fixture(autouse=True)
+def objects(store: Store) -> None:
+    """A cup that is ann's alone, and a mug that is hers and somebody else's."""
+    store.put_many(
+        [
+            squeeze(1, thing=CUP, owner="ann", visibility="public"),
+            squeeze(2, thing=MUG, owner="ann", visibility="public"),
+            squeeze(3, thing=MUG, owner="bob", visibility="public"),
+        ]
+    )
+
+
+def test_each_change_is_noted_and_can_be_taken_back(client: TestClient, store: Store, token: Token) -> None:
+    """Describing, telling, forgetting, merging and splitting; undone in the reverse order."""
+    carl = token("carl", Role.CURATOR)
+    told = client.patch(f"{API}/lab/cup", json={"common_name": "blue cup", "aliases": ["tasse"]}, headers=carl).json()
+    assert (told["common_name"], told["aliases"], told["maker"]) == ("blue cup", ["tasse"], None)
+    client.put(f"{API}/lab/cup/known", json={"entry": MASS, "source": "our scale"}, headers=carl)
+    assert find_thing(store, "lab/cup").known[0].entry == Value("mass", 118.0, 1.0, "g")
+    client.delete(f"{API}/lab/cup/known?property=mass", headers=carl)
+    assert not find_thing(store, "lab/cup").known
+    merged = client.post(f"{API}/lab/cup/merge", json={"dataset": "lab", "name": "mug"}, headers=carl).json()
+    assert (merged["name"], merged["recordings"]) == ("mug", 3)
+    for _ in range(4):
+        assert client.post(f"{API}/lab/cup/undo", headers=carl).status_code == 200
+    assert client.post(f"{API}/lab/cup/undo", headers=carl).status_code == 422
+    assert find_thing(store, "lab/cup").ref == CUP
+    assert {one.who for one in history(store, CUP)} == {"carl"}
+    lines = client.get(f"{API}/lab/cup/history", headers=carl).json()["items"]
+    assert [one["what"] for one in lines] == ["merged", "changed", "changed", "changed"]
+    assert {one["undone_by"] for one in lines} == {"carl"}
+
+
+OPERATIONS: list[tuple[str, str, Any]] = [
+    ("PATCH", "", {"maker": "somebody"}),
+    ("PUT", "/known", {"entry": MASS, "source": "our scale"}),
+    ("DELETE", "/known?property=mass", None),
+    ("POST", "/merge", {"dataset": "lab", "name": "other"}),
+    ("POST", "/split", None),
+    ("POST", "/undo", None),
+    ("GET", "/history", None),
+]
+
+
+def test_who_may_change_what(client: TestClient, store: Store, token: Token) -> None:
+    """Curators everything they see, owners what is all theirs, others nothing; what is not seen is not there."""
+    other = ThingRef("lab", "other")
+    hidden = ThingRef("lab", "hidden")
+    store.put_many([squeeze(4, thing=other, owner="ann"), squeeze(5, thing=hidden, owner="root")])
+    people = {
+        "nobody": {},
+        "reader": token("reader", Role.READER),
+        "bob": token("bob"),
+        "ann": token("ann"),
+        "carl": token("carl", Role.CURATOR),
+        "root": token("root", Role.ADMIN),
+    }
+    allowed = {"cup": {"ann", "carl", "root"}, "mug": {"carl", "root"}, "hidden": {"root"}}
+    for thing, who in allowed.items():
+        for person, headers in people.items():
+            for method, path, body in OPERATIONS:
+                if path == "/merge" and person in who:
+                    continue
+                found = client.request(method, f"{API}/lab/{thing}{path}", json=body, headers=headers)
+                if person == "nobody":
+                    expected = {401}
+                elif person == "reader":
+                    expected = {403}
+                elif thing == "hidden" and person != "root":
+                    expected = {404}
+                else:
+                    # there may be nothing to split or to take back
+                    expected = {200, 422} if person in who else {403}
+                assert found.status_code in expected, (person, thing, method, path, found.text)
+    # the other object of a merge is one that may be changed too, and is seen
+    for headers, into in ((people["ann"], "mug"), (people["carl"], "hidden"), (people["carl"], "nothing")):
+        found = client.post(f"{API}/lab/cup/merge", json={"dataset": "lab", "name": into}, headers=headers)
+        assert found.status_code == (403 if into == "mug" else 422)
+    assert find_thing(store, "lab/cup").merged_into is None
+
+
+@pytest.mark.parametrize(
+    ("entry", "field"),
+    [
+        ({**MASS, "unit": "m"}, "known mass"),
+        ({**MASS, "value": 1e999}, "known mass.value"),
+        ({"kind": "value", "property": "mass"}, "body.entry"),
+        ({"kind": "failed", "reason": "broken"}, "known"),
+        ({"kind": "distribution", "property": "material", "probabilities": {"wood": 0.5}}, "known material"),
+        ({**MASS, "colour": "red"}, "body.entry.colour"),
+    ],
+)
+def test_what_cannot_be_known_is_refused(
+    client: TestClient, store: Store, token: Token, entry: dict[str, Any], field: str
+) -> None:
+    """With the field and the reason; nothing is changed."""
+    import json
+
+    body = json.dumps({"entry": entry, "source": "our scale"})
+    carl = {**token("carl", Role.CURATOR), "Content-Type": "application/json"}
+    client.put(f"{API}/lab/cup/known", json={"entry": MASS, "source": "first"}, headers=carl)
+    refused = client.put(f"{API}/lab/cup/known", content=body, headers=carl)
+    assert refused.status_code == 422
+    assert field in refused.text
+    assert [one.source for one in find_thing(store, "lab/cup").known] == ["first"]
+
+
+def test_by_forms(client: TestClient, store: Store) -> None:
+    """The forms of the page do the same, say what is wrong, and want to stand on a page of this site."""
+    host = {"Cookie": f'palpate-key="{KEY}"', "Origin": "http://testserver"}
+    page = "/objects/lab/cup/edit"
+    assert "Change what is said of it" in client.get("/objects/lab/cup", headers=host).text
+    assert "Change what is said of it" not in client.get("/objects/lab/cup").text
+    assert client.get(page).status_code == 401
+    forms = client.get(page, headers=host).text
+    assert set(re.findall(r'name="do" value="(\w+)"', forms)) == {"describe", "know", "merge", "undo"} - (
+        set() if "Take back" in forms else {"undo"}
+    )
+
+    def send(**fields: str) -> Any:
+        return client.post(page, data=fields, headers=host, follow_redirects=False)
+
+    assert (
+        send(do="describe", common_name="blue cup", maker="", aliases=" a, b ,").headers["location"]
+        == "/objects/lab/cup"
+    )
+    assert find_thing(store, "lab/cup").ref.aliases == ("a", "b")
+    assert send(do="know", property="mass", value="118", sd="1", unit="g", source="our scale").status_code == 303
+    assert send(do="know", property="material", value="ceramic", unit="", sd="", source="eye").status_code == 303
+    assert len(find_thing(store, "lab/cup").known) == 2
+    wrong = send(do="know", property="mass", value="heavy", sd="", unit="g", source="guess")
+    assert wrong.status_code == 422
+    assert "expected a number" in wrong.text
+    assert send(do="forget", property="material", source="eye").status_code == 303
+    assert send(do="merge", into="lab/mug").status_code == 303
+    assert find_thing(store, "lab/cup").merged_into == find_thing(store, "lab/mug").ref
+    assert send(do="split").status_code == 303
+    assert send(do="undo").status_code == 303
+    assert send(do="burn").status_code == 422
+    foreign = {**host, "Origin": "http://evil.example"}
+    assert client.post(page, data={"do": "undo"}, headers=foreign).status_code == 403
+    assert client.post(page, json={"do": "undo"}, headers=host).status_code == 415
+    # the service listens to the browser's cookie too, and so must mind who sends it
+    assert client.patch(f"{API}/lab/cup", json={"maker": "x"}, headers=foreign).status_code == 403
+    assert client.patch(f"{API}/lab/cup", json={"maker": "x"}, headers={"Cookie": host["Cookie"]}).status_code == 403
+    assert client.patch(f"{API}/lab/cup", json={"maker": "x"}, headers=host).status_code == 200

@@ -1,0 +1,121 @@
+"""Watching an exploration: each step comes as soon as the store has it, and nothing to those who may not see it."""
+
+import json
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+from urllib.request import Request, urlopen
+
+import pytest
+from fastapi.testclient import TestClient
+
+from palpate.server.pages import live
+from palpate.store.episodes import StoredEpisode
+from palpate.store.keeping_episodes import put_episode
+from palpate.store.opening import open_store
+from palpate.store.store import Store
+from tests.server.serving import served
+from tests.store.made_up import made_episode, squeeze
+
+
+def line(number: int) -> dict[str, Any]:
+    return {"step": number, "action": "weighing", "outcome": {"action": "weighing", "value": 0.1}}
+
+
+def events_of(text: str) -> list[tuple[str, dict[str, Any]]]:
+    """Id and data of each event of a stream."""
+    found = []
+    for block in text.strip().split("\n\n"):
+        fields = dict(one.split(": ", 1) for one in block.splitlines())
+        if "data" in fields:
+            found.append((fields["id"], json.loads(fields["data"])))
+    return found
+
+
+def test_an_exploration_that_is_over_is_told_once(client: TestClient, store: Store) -> None:
+    """Its end comes at once; who has had it gets 204, at which a browser does not ask again."""
+    episode = made_episode(stop="nothing is left", visibility="public")
+    put_episode(store, episode)
+    address = f"/episodes/{episode.id}/events"
+    found = client.get(address)
+    assert found.headers["content-type"].startswith("text/event-stream")
+    assert events_of(found.text) == [("1", {"lines": 1, "stop": "nothing is left"})]
+    assert client.get(address, headers={"Last-Event-ID": "1"}).status_code == 204
+    assert client.get(f"{address}?after=1").status_code == 204
+    for odd in ("x", "-1", "9" * 400, "²"):
+        assert client.get(address, params={"after": odd}).status_code == 200
+
+
+def test_steps_come_while_it_runs_and_who_comes_back_catches_up(
+    client: TestClient, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Several watchers get each step in order; one that comes later gets how far it is."""
+    monkeypatch.setattr(live, "PAUSE_S", 0.01)
+    episode = made_episode(visibility="public")
+    put_episode(store, episode)
+    address = f"/episodes/{episode.id}/events"
+    told: list[list[tuple[str, dict[str, Any]]]] = []
+    watchers = [
+        threading.Thread(target=lambda: told.append(events_of(client.get(f"{address}?after=0").text))) for _ in range(2)
+    ]
+    for one in watchers:
+        one.start()
+    grown: StoredEpisode = episode
+    for number in (1, 2):
+        time.sleep(0.3)
+        grown = grown.continued(line(number))
+        put_episode(store, grown)
+    time.sleep(0.3)
+    put_episode(store, grown.continued({"stop": "enough"}))
+    for one in watchers:
+        one.join()
+    for events in told:
+        assert [id for id, _ in events] == ["1", "2", "3"]
+        assert events[-1][1]["stop"] == "enough"
+    late = events_of(client.get(address, headers={"Last-Event-ID": "1"}).text)
+    assert late == [("3", {"lines": 3, "stop": "enough"})]
+
+
+def test_a_stream_ends_by_itself(client: TestClient, store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So that a server can stop, and a browser that is gone is not served for ever."""
+    monkeypatch.setattr(live, "LONGEST_S", 0.2)
+    monkeypatch.setattr(live, "PAUSE_S", 0.01)
+    episode = made_episode(visibility="public")
+    put_episode(store, episode)
+    began = time.monotonic()
+    assert "retry:" in client.get(f"/episodes/{episode.id}/events").text
+    assert time.monotonic() - began < 5
+
+
+def test_others_see_nothing_of_it(client: TestClient, store: Store, token: Callable[..., dict[str, str]]) -> None:
+    """A private exploration is watched by its owner, and is not there for others."""
+    episode = made_episode(visibility="private", owner="ann", stop="enough")
+    put_episode(store, episode)
+    address = f"/episodes/{episode.id}/events"
+    assert client.get(address).status_code == 404
+    assert client.get(address, headers=token("bob")).status_code == 404
+    assert client.get(address, headers=token("ann")).status_code == 200
+
+
+@pytest.fixture
+def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Store]]:
+    place = tmp_path_factory.mktemp("live") / "store.sqlite"
+    with open_store(place) as store, served(place) as (address, _):
+        yield address, store
+
+
+def test_another_process_explores_and_a_stream_tells(running: tuple[str, Store]) -> None:
+    """Over a real connection a step is told well within a second or two of being kept."""
+    address, store = running
+    store.put(squeeze())
+    episode = made_episode(visibility="public")
+    put_episode(store, episode)
+    with urlopen(Request(f"{address}/episodes/{episode.id}/events?after=0"), timeout=10) as stream:
+        assert stream.readline().startswith(b"retry")
+        put_episode(store, episode.continued(line(1)))
+        began = time.monotonic()
+        while not (found := stream.readline()).startswith(b"id"):
+            pass
+        assert found == b"id: 1\n"
+        assert time.monotonic() - began < 5

@@ -1,0 +1,165 @@
+"""Pages show what the store holds, and read without JavaScript."""
+
+import re
+from functools import partial
+from html.parser import HTMLParser
+
+import pytest
+from fastapi.testclient import TestClient
+
+from palpate.server.example import add_example
+from palpate.server.pages.templates import entry_text
+from palpate.store.counting import counted
+from palpate.store.describing import change_thing
+from palpate.store.entries import Bound, Distribution, FailedEntry, Interval, Value
+from palpate.store.records import Device, Recording, Setup, ThingRef
+from palpate.store.store import Store
+from palpate.store.verifying import verify
+from palpate.store.viewing import Viewer
+from tests.server.conftest import KEY
+from tests.store.made_up import squeeze
+
+HOST = {"Cookie": f'palpate-key="{KEY}"', "Origin": "http://testserver"}
+VOID = {"meta", "link", "img", "input", "br", "hr"}
+
+
+class Outline(HTMLParser):
+    """Elements that are open, links, and what screen readers need."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.links: list[str] = []
+        self.faults: list[str] = []
+        self.headings: list[str] = []
+        self.feed(text)
+        self.faults += [f"{tag} is not closed" for tag in self.open]
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        found = dict(attributes)
+        if tag not in VOID:
+            self.open.append(tag)
+        if tag in ("a", "link", "img", "script", "form", "audio"):
+            self.links += [value for name, value in attributes if name in ("href", "src", "action") and value]
+        if tag == "img" and "alt" not in found:
+            self.faults.append("an image without words")
+        if tag == "svg" and not ({"aria-label", "aria-hidden"} & found.keys()):
+            self.faults.append("a plot without words")
+        if re.fullmatch("h[1-6]", tag):
+            self.headings.append(tag)
+        if tag == "script" and "src" not in found:
+            self.faults.append("a script in the page")
+        self.faults += [f"style in {tag}" for name in found if name == "style" or name.startswith("on")]
+
+    def handle_startendtag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attributes)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        if not self.open or self.open.pop() != tag:
+            self.faults.append(f"</{tag}> closes nothing")
+
+
+def test_an_empty_store_says_how_to_begin(client: TestClient) -> None:
+    """The public is told that there is nothing to see; whoever started the server gets the example data."""
+    assert "Nothing is here yet" in client.get("/").text
+    assert "Add the example data" not in client.get("/").text
+    assert "Add the example data" in client.get("/", headers=HOST).text
+
+
+def test_every_page_of_the_example(client: TestClient, store: Store) -> None:
+    """From the first page all links lead to pages of this site that are there and well formed."""
+    add_example(store, count=40)
+    seen, todo = set[str](), ["/"]
+    while todo:
+        address = todo.pop()
+        # of pages that differ by a number only, some will do
+        kind = re.sub(r"[0-9a-f-]{36}|[0-9a-f]{64}|(?<=objects/)[^?]+|cursor=.*|(?<=step=)\d+", "*", address)
+        if address in seen or sum(one.endswith(f" {kind}") for one in seen) >= 3:
+            continue
+        seen |= {address, f"{len(seen)} {kind}"}
+        found = client.get(address, headers={"Accept": "text/html"})
+        assert found.status_code == 200, address
+        if "text/html" not in found.headers["content-type"]:
+            continue
+        outline = Outline(found.text)
+        assert not outline.faults, (address, outline.faults)
+        assert outline.headings[0] == "h1", address
+        assert outline.headings.count("h1") == 1
+        for link in outline.links:
+            if link.startswith("http"):
+                assert link.startswith(("https://www.rfc-editor.org/", "https://doi.org/")), link
+            elif not link.startswith("#"):
+                todo.append(link if link.startswith("/") else f"{address.partition('?')[0]}{link}")
+    for part in (
+        "/episodes/",
+        "/recordings/",
+        "/setups/",
+        "/objects/ycb",
+        "/compare/table.csv",
+        "/guides/api",
+        "step=",
+    ):
+        assert any(part in address for address in seen), part
+
+
+def test_the_example_is_whole_and_marked(client: TestClient, store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is simulated says so, in its data set and in each recording; done again nothing is added."""
+    # as the 2,000 take their time
+    monkeypatch.setattr("palpate.server.pages.home.add_example", partial(add_example, count=60))
+    assert client.post("/example", headers=HOST, follow_redirects=False).status_code == 303
+    counts = counted(store, Viewer())
+    assert counts.recordings > 60
+    assert counts.grippers == 5
+    assert counts.episodes == 1
+    assert not list(verify(store))
+    add_example(store, count=10)
+    assert counted(store, Viewer()) == counts
+    for row in client.get("/api/v1/recordings?dataset=simulated&limit=500").json()["items"]:
+        assert row["notices"][0].startswith("simulated")
+    assert client.get("/").text.count("simulated") > 5
+
+
+def test_an_objects_page_has_each_value_against_the_truth(client: TestClient, store: Store) -> None:
+    """A point for each value, by what measured it, with its SD; the truth as a line, in the same unit."""
+    cup = ThingRef("lab", "cup")
+
+    def measured(number: int, gripper: str, value: float) -> Recording:
+        setup = Setup(gripper=Device("gripper", gripper))
+        return squeeze(number, visibility="public", thing=cup, setup=setup, entries=(Value("mass", value, 2.0, "g"),))
+
+    store.put_many([measured(1, "left", 100.0), measured(2, "left", 104.0), measured(3, "right", 118.0)])
+    change_thing(store, cup, lambda thing: thing.knowing(Value("mass", 0.11, unit="kg"), "our scale"))
+    page = client.get("/objects/lab/cup").text
+    assert page.count('class="dot') == 3
+    assert "102, n = 2" in page
+    assert "118, n = 1" in page
+    assert "true: 110" in page
+    assert "118 ± 2 g" in page
+    table = client.get("/compare/table.csv?property=mass").text.splitlines()
+    assert table[1].split(",")[:5] == ["left", "lab", "cup", "g", "2"]
+    assert [float(line.rsplit(",", 1)[1]) for line in table[1:]] == pytest.approx([-8.0, 8.0])
+
+
+def test_errors_are_pages_for_people(client: TestClient) -> None:
+    """Who asks for a page gets the error as one, and a program gets it as JSON."""
+    page = client.get("/recordings/nothing", headers={"Accept": "text/html"})
+    assert (page.status_code, page.headers["content-type"]) == (404, "text/html; charset=utf-8")
+    assert "is no id and no digest" in page.text
+    assert client.get("/recordings/nothing").headers["content-type"] == "application/problem+json"
+
+
+@pytest.mark.parametrize(
+    ("entry", "expected"),
+    [
+        (Value("mass", 0.0, None, None), "0 (unit not stated)"),
+        (Interval("mass", 1.0, 2.0, "g"), "1 to 2 g"),
+        (Bound("mass", below=2.0, unit="g"), "below 2 g"),
+        (Distribution("material", {"wood": 0.2, "foam": 0.8}), "foam 80%, wood 20%"),
+        (FailedEntry("no contact", "mass"), "failed: no contact"),
+    ],
+)
+def test_results_in_words(entry: object, expected: str) -> None:
+    """Each kind of result reads as what it is."""
+    assert entry_text(entry) == expected  # type: ignore[arg-type]

@@ -1,0 +1,58 @@
+"""The command itself: it serves, receives from the client, and stops when told."""
+
+import signal
+from pathlib import Path
+from urllib.error import HTTPError
+from urllib.request import Request, urlopen
+
+import pytest
+
+from palpate.client import HttpReceiver, NotAllowedError, RefusedError
+from palpate.recording.spool import Spool
+from palpate.recording.uploading import upload
+from palpate.server.security.accounts import Role, add_user, issue
+from palpate.store.opening import open_store
+from tests.server.serving import served
+from tests.store.made_up import squeeze
+
+
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_a_spool_arrives_and_the_server_stops_when_told(tmp_path: Path, workers: str) -> None:
+    """Each recording of a spool is in the store to the digest; told to stop, the server ends by itself."""
+    place = tmp_path / "store.sqlite"
+    with open_store(place) as store:
+        add_user(store, "ann", Role.OWNER)
+        token = issue(store, "ann")
+    spool = Spool(tmp_path / "spool", sync=False)
+    recordings = [squeeze(number, owner="ann") for number in range(3)]
+    for recording in recordings:
+        spool.add(recording)
+    with served(place, "--workers", workers) as (address, process):
+        receiver = HttpReceiver(f"{address}/api/v1", token)
+        assert [one.state for one in upload(spool, receiver)] == ["sent"] * 3
+        assert not receiver.put(recordings[0]).new
+        with pytest.raises(RefusedError, match="owner: found 'bob', expected 'ann'"):
+            receiver.put(squeeze(9, owner="bob"))
+        with pytest.raises(NotAllowedError, match="not known"):
+            HttpReceiver(f"{address}/api/v1", "wrong").put(recordings[0])
+        assert b"palpate_requests_total" in urlopen(f"{address}/metrics").read()
+        with pytest.raises(HTTPError, match="421"):
+            urlopen(Request(address, headers={"Host": "elsewhere.example"}))
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(20) in (0, -signal.SIGTERM)
+    with open_store(place) as store:
+        assert store.known([one.digest for one in recordings]) == {one.digest for one in recordings}
+
+
+def test_the_printed_key_opens_what_is_private(tmp_path: Path) -> None:
+    """What one's own store holds is seen by whoever started the server, and by nobody else."""
+    place = tmp_path / "store.sqlite"
+    with open_store(place) as store:
+        store.put(squeeze())
+    with served(place) as (address, process):
+        assert process.stdout is not None
+        lines = [process.stdout.readline() for _ in range(3)]
+        key = lines[1].rpartition("=")[2].strip()
+        asked = Request(f"{address}/api/v1/recordings", headers={"Cookie": f"palpate-key={key}"})
+        assert squeeze().digest.encode() in urlopen(asked).read()
+        assert squeeze().digest.encode() not in urlopen(f"{address}/api/v1/recordings").read()

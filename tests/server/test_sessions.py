@@ -1,0 +1,93 @@
+"""Logging in with a browser."""
+
+from fastapi.testclient import TestClient
+
+from palpate.server.app import application
+from palpate.server.security.accounts import Role, add_user, set_password, tokens
+from palpate.server.security.passwords import hashed, is_password
+from palpate.server.settings import Settings
+from palpate.store.store import Store
+from tests.store.made_up import squeeze
+
+PASSWORD = "correct horse battery"
+ORIGIN = {"Origin": "http://testserver"}
+
+
+def log_in(client: TestClient, name: str = "ann", password: str = PASSWORD, **headers: str) -> int:
+    fields = {"name": name, "password": password}
+    found = client.post("/login", data=fields, headers={**ORIGIN, **headers}, follow_redirects=False)
+    return found.status_code
+
+
+def test_a_session_begins_and_ends(client: TestClient, store: Store) -> None:
+    """Logged in one sees what is one's own; logged out no more, also with the old cookie."""
+    add_user(store, "ann", Role.OWNER)
+    set_password(store, "ann", PASSWORD)
+    store.put(squeeze(owner="ann"))
+    assert "Log in" in client.get("/").text
+    assert log_in(client) == 303
+    page = client.get("/recordings").text
+    assert "ann" in page
+    assert "private" in page
+    cookie = client.cookies["palpate-session"]
+    assert client.post("/logout", headers=ORIGIN, follow_redirects=False).status_code == 303
+    assert "palpate-session" not in client.cookies
+    client.cookies.set("palpate-session", cookie)
+    assert "private" not in client.get("/recordings").text
+
+
+def test_cookies_are_kept_from_scripts_and_other_sites(store: Store) -> None:
+    """And over TLS from connections without it."""
+    add_user(store, "ann", Role.OWNER)
+    set_password(store, "ann", PASSWORD)
+    with TestClient(application(store, Settings(secure=True, requests_per_s=None))) as client:
+        found = client.post(
+            "/login", data={"name": "ann", "password": PASSWORD}, headers=ORIGIN, follow_redirects=False
+        )
+    for word in ("HttpOnly", "SameSite=strict", "Secure", "Path=/"):
+        assert word in found.headers["set-cookie"]
+    assert "max-age=31536000" in found.headers["strict-transport-security"]
+
+
+def test_a_session_cannot_be_given_to_somebody(client: TestClient, store: Store) -> None:
+    """Whatever cookie a browser brings, logging in makes another one; a form of another site logs nobody in."""
+    add_user(store, "ann", Role.OWNER)
+    set_password(store, "ann", PASSWORD)
+    client.cookies.set("palpate-session", "fixed")
+    assert log_in(client, Origin="http://evil.example") == 403
+    assert log_in(client) == 303
+    first = client.cookies.get("palpate-session", domain="testserver.local")
+    assert first not in (None, "fixed")
+    log_in(client)
+    assert client.cookies.get("palpate-session", domain="testserver.local") != first
+    assert all(one.expires_at is not None for one in tokens(store, "ann"))
+
+
+def test_passwords_are_not_guessed(client: TestClient, store: Store) -> None:
+    """Wrong names and passwords look the same, and after some tries there are no more for a while."""
+    add_user(store, "ann", Role.OWNER)
+    add_user(store, "without", Role.OWNER)
+    set_password(store, "ann", PASSWORD)
+    answers = set()
+    for name, password in (("ann", "wrong horse battery"), ("bob", PASSWORD), ("without", ""), ("without", PASSWORD)):
+        found = client.post("/login", data={"name": name, "password": password}, headers=ORIGIN)
+        answers.add((found.status_code, found.text.replace(f'value="{name}"', "")))
+    assert len(answers) == 1
+    assert {status for status, _ in answers} == {403}
+    codes = [log_in(client, password=f"wrong horse {number}") for number in range(12)]
+    assert codes[0] == 403
+    assert codes[-1] == 429
+    # also with the right one, or else it would be told by that
+    assert log_in(client) == 429
+
+
+def test_the_store_does_not_know_passwords() -> None:
+    """Two accounts of one password differ in what is kept, and the least change is another password."""
+    first, second = hashed(PASSWORD), hashed(PASSWORD)
+    assert first != second
+    assert PASSWORD not in first
+    assert is_password(PASSWORD, first)
+    assert is_password(PASSWORD, second)
+    for wrong in (PASSWORD + " ", PASSWORD.upper(), "", "x" * 10_000, "\udcff" * 10):
+        assert not is_password(wrong, first)
+    assert not is_password("", None)
