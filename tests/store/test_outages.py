@@ -182,7 +182,6 @@ def test_a_damaged_file_is_named(tmp_path: Path) -> None:
             store.get(squeeze().digest)
         with pytest.raises(DamagedError, match="malformed"):
             list_recordings(store)
-        faults = verify(store)
-        assert next(faults).where == "database"
-        with pytest.raises(DamagedError, match="malformed"):
-            list(faults)
+        faults = list(verify(store))
+        assert {fault.where for fault in faults} == {"database"}
+        assert any("recordings could not all be checked" in fault.what for fault in faults)
