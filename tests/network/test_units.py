@@ -12,6 +12,21 @@ from hypothesis import strategies as st
 from palpate.network.formula import Formula
 from palpate.network.units import SHIPPED, UnitError, ask_pint, factor, in_units, unit_of
 
+AT_ONCE = """
+from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier
+from palpate.network.units import unit_of
+
+barrier = Barrier(16)
+
+def ask(number):
+    barrier.wait()
+    return unit_of("A").factor
+
+with ThreadPoolExecutor(16) as threads:
+    print(int(sum(threads.map(ask, range(16)))))
+"""
+
 PINT = pint.application_registry
 NAMES = sorted(json.loads(SHIPPED.read_text(encoding="utf-8")))
 
@@ -38,6 +53,12 @@ def test_factors_are_inverse_to_each_other(first: str, second: str) -> None:
 def test_unshipped_units_are_asked_of_pint() -> None:
     """A unit outside the shipped list works as any other."""
     assert factor("pound", "g") == pytest.approx(453.59237)
+
+
+def test_threads_may_ask_first_at_once() -> None:
+    """In a new process, where pint is not loaded yet, no thread is told that a unit is unknown."""
+    found = subprocess.run([sys.executable, "-c", AT_ONCE], capture_output=True, text=True, check=True)
+    assert found.stdout == "16\n"
 
 
 def test_shipped_networks_load_without_pint() -> None:

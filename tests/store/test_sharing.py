@@ -4,18 +4,27 @@ import multiprocessing
 import sqlite3
 import threading
 import time
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from sqlalchemy import select
 
+from palpate.store import schema
+from palpate.store.describing import change_thing
 from palpate.store.errors import StoreError
+from palpate.store.merging import merge_things
 from palpate.store.opening import open_store
-from palpate.store.records import Receipt
+from palpate.store.records import Receipt, ThingRef
 from palpate.store.store import Store
+from palpate.store.things import Thing, find_thing
 from palpate.store.verifying import verify
 from tests.store.made_up import squeeze
 from tests.store.places import check_services, emptied
+
+THINGS = ThingRef("made_up", "a"), ThingRef("made_up", "b")
 
 
 def put_both(place: str, blobs: Path, first: int) -> list[Receipt]:
@@ -90,3 +99,56 @@ def test_a_full_disk_is_an_error_and_leaves_the_store_whole(local: Store) -> Non
     with pytest.raises(StoreError, match="full; nothing was kept"):
         put_many()
     assert list(verify(local)) == []
+
+
+@pytest.fixture
+def server(tmp_path: Path) -> Iterator[Store]:
+    check_services("postgresql")
+    with open_store(emptied(), tmp_path / "blobs") as store:
+        store.put_many([squeeze(number, thing=thing) for number, thing in enumerate(THINGS)])
+        yield store
+
+
+def test_a_recording_is_put_while_its_object_is_changed(server: Store) -> None:
+    """Whoever describes an object keeps nobody from recording it."""
+
+    def edit(thing: Thing) -> Thing:
+        with ThreadPoolExecutor(1) as threads:
+            assert threads.submit(server.put, squeeze(9, thing=THINGS[0])).result(10).new
+        return thing.described(maker="somebody")
+
+    change_thing(server, THINGS[0], edit)
+    assert find_thing(server, "made_up/a").recordings == 2
+
+
+@pytest.mark.parametrize(
+    "act",
+    [
+        lambda store: merge_things(store, THINGS[1], THINGS[0]),
+        lambda store: merge_things(store, THINGS[0], THINGS[1]),
+        lambda store: store.put_many(
+            [squeeze(9, thing=replace(thing, maker="somebody")) for thing in reversed(THINGS)]
+        ),
+    ],
+)
+def test_who_needs_two_objects_takes_them_in_one_order(server: Store, act: Callable[[Store], object]) -> None:
+    """So nobody waits for the second one of somebody who waits for the first one."""
+    columns = schema.things.c
+    with ThreadPoolExecutor(1) as threads:
+        with server.engine.begin() as connection:
+            for thing in THINGS:
+                found = select(columns.id).where(columns.name == thing.id).with_for_update(key_share=True)
+                connection.execute(found)
+                if thing == THINGS[0]:
+                    acting = threads.submit(act, server)
+                    wait_for_a_lock(server)
+        acting.result(10)
+
+
+def wait_for_a_lock(store: Store) -> None:
+    """Until somebody waits for the row of another transaction."""
+    end = time.monotonic() + 10
+    with store.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
+        while not connection.exec_driver_sql("SELECT count(*) FROM pg_locks WHERE NOT granted").scalar():
+            assert time.monotonic() < end, "nobody waits"
+            time.sleep(0.01)

@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from threading import Lock
 from tokenize import TokenError
 
 from palpate.errors import PalpateError
@@ -21,6 +22,7 @@ __all__ = ["Unit", "UnitError", "ask_pint", "dimension_fault", "factor", "in_uni
 
 SHIPPED = Path(__file__).parents[1] / "data" / "units.json"
 Dimension = Mapping[str, float]
+_ASKING = Lock()
 
 
 class UnitError(PalpateError, ValueError):
@@ -64,9 +66,11 @@ def ask_pint(text: str) -> Unit:
     """As `unit_of`, from pint instead of the shipped answers."""
     import pint  # its import takes longer than reading a network
 
-    registry = pint.application_registry
     try:
-        zero, one = (registry.Quantity(value, text).to_base_units() for value in (0.0, 1.0))
+        # the registry is made when it is first asked, and knows no units for whoever asks it meanwhile
+        with _ASKING:
+            quantity = pint.application_registry.Quantity
+            zero, one = (quantity(value, text).to_base_units() for value in (0.0, 1.0))
     except (pint.PintError, ValueError, TypeError, SyntaxError, TokenError, AssertionError):
         raise UnitError(f"unknown unit {text!r}; expected one such as 'g', 'cm^3', 'kg/m^3', 'kPa'") from None
     if zero.magnitude != 0:

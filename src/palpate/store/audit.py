@@ -91,7 +91,8 @@ def take_back(connection: Connection, row: Row, who: str | None) -> None:
 
 def row_of(connection: Connection, name: str, thing: ThingRef) -> Row:
     """The row of an object, which nobody else changes until the transaction ends; StoreError where there is none."""
-    asked = select(schema.things).where(is_thing(thing)).with_for_update()
+    # what refers to it may be put meanwhile
+    asked = select(schema.things).where(is_thing(thing)).with_for_update(key_share=True)
     row = connection.execute(asked).mappings().first()
     if row is None:
         raise StoreError(f"{name}: {thing.dataset}/{thing.id} is not in the store, expected an object that is")

@@ -17,6 +17,7 @@ from palpate.store.legible import reading
 from palpate.store.records import Setup, ThingRef
 from palpate.store.store import Store
 from palpate.store.things import is_thing
+from palpate.store.units import deciding_units
 
 __all__ = ["Measured", "measured_of"]
 
@@ -60,7 +61,7 @@ def measured_of(store: Store, thing: ThingRef) -> tuple[Measured, ...]:
     with reading(store.engine) as connection:
         for row in connection.execute(select(*columns).where(entries.thing_id.in_(those))):
             groups[row.property, row.setup_id].append(row)
-        units = {row.name: row.unit for row in connection.execute(select(schema.properties))}
+        units = deciding_units(connection)
         needed = schema.setups.c.id.in_({setup for _, setup in groups})
         setups = {
             row.id: setup_of(row.digest, row.document)

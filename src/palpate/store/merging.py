@@ -43,7 +43,10 @@ def merge_things(store: Store, thing: ThingRef, into: ThingRef, *, who: str | No
     """
     with changing(store.engine) as connection:
         one_at_a_time(connection, MERGE_LOCK)
-        one, other = (row_of(connection, name, ref) for name, ref in (("thing", thing), ("into", into)))
+        # in the order in which a put takes its objects, so that neither waits for the other
+        both = sorted((("thing", thing), ("into", into)), key=lambda named: (named[1].dataset, named[1].id))
+        found = {name: row_of(connection, name, ref) for name, ref in both}
+        one, other = found["thing"], found["into"]
         for name, row in (("thing", one), ("into", other)):
             if row["merged_into"] is not None:
                 raise StoreError(

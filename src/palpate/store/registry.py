@@ -169,9 +169,9 @@ class Lookup(Registry):
 
     def _make_thing(self, thing: ThingRef) -> int:
         table = schema.things
-        # nobody else may change the description until this one is written
-        there = select(table).where(table.c.dataset == thing.dataset, table.c.name == thing.id).with_for_update()
-        found = self.connection.execute(there).mappings().first()
+        # nobody else may change the description until this one is written; what refers to it may be put
+        there = select(table).where(table.c.dataset == thing.dataset, table.c.name == thing.id)
+        found = self.connection.execute(there.with_for_update(key_share=True)).mappings().first()
         if found is None:
             return self._insert(table, {"dataset": thing.dataset, "name": thing.id, **thing_row(thing)})
         known = thing_of(found)

@@ -190,6 +190,10 @@ class Store:
         units = self._statements.units(cursor, list(names))
         for one in batch:
             shared.admit_units(one.recording, units, is_known_wrong=one.is_known_wrong)
+        # in one order, so that no two puts wait for each other's objects
+        things = [one.recording.thing for one in batch] if len(batch) > 1 else []
+        for thing in sorted(things, key=lambda thing: (thing.dataset, thing.id)):
+            shared.thing(thing)
         ids = self._statements.new_ids(cursor, len(batch))
         rows = [one.recording_row(row, shared, uploaded_us) for row, one in zip(ids, batch, strict=True)]
         numbered = list(zip(rows, batch, strict=True))

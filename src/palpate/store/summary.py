@@ -15,6 +15,7 @@ from palpate.network.units import unit_of
 from palpate.store import schema
 from palpate.store.legible import reading
 from palpate.store.store import Store
+from palpate.store.units import deciding_units
 
 if TYPE_CHECKING:
     import pyarrow
@@ -57,7 +58,7 @@ def objects_by_properties(store: Store) -> list[Cell]:
     """Summarise all values that have a unit, by object and property."""
     with reading(store.engine) as connection:
         groups = connection.execute(_groups()).all()
-        units = {row.name: row.unit for row in connection.execute(select(schema.properties))}
+        units = deciding_units(connection)
         things = {row.id: row for row in connection.execute(select(schema.things))}
         measured: dict[tuple[int, str], list[Group]] = defaultdict(list)
         for thing, name, count, mean, squares in groups:
