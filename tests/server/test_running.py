@@ -1,5 +1,6 @@
 """The command itself: it serves, receives from the client, and stops when told."""
 
+import json
 import signal
 from pathlib import Path
 from urllib.error import HTTPError
@@ -42,6 +43,27 @@ def test_a_spool_arrives_and_the_server_stops_when_told(tmp_path: Path, workers:
         assert process.wait(20) in (0, -signal.SIGTERM)
     with open_store(place) as store:
         assert store.known([one.digest for one in recordings]) == {one.digest for one in recordings}
+
+
+def test_requests_are_logged_where_that_is_wanted(tmp_path: Path) -> None:
+    """A line of JSON for each, with what was asked of whom, and without tokens and questions."""
+    place = tmp_path / "store.sqlite"
+    for options, expected in (("--log", "--workers", "2"), True), ((), False):
+        with served(place, *options) as (address, process):
+            with pytest.raises(HTTPError, match="401"):
+                urlopen(
+                    Request(f"{address}/api/v1/recordings?text=secret", headers={"Authorization": "Bearer palpate_x"})
+                )
+            process.send_signal(signal.SIGTERM)
+            _, told = process.communicate(timeout=30)
+        lines = [json.loads(line) for line in told.splitlines() if line.startswith("{")]
+        asked = [line for line in lines if line["path"] == "/api/v1/recordings"]
+        assert bool(asked) == expected
+        for line in asked:
+            assert (line["method"], line["status"], line["client"]) == ("GET", 401, "127.0.0.1")
+            assert line["ms"] > 0
+        assert "secret" not in told
+        assert "palpate_x" not in told
 
 
 def test_the_printed_key_opens_what_is_private(tmp_path: Path) -> None:

@@ -28,6 +28,7 @@ def serve(
     secure: Annotated[
         bool, typer.Option("--secure", help="People reach it over TLS, by a proxy: tell browsers to insist on it.")
     ] = False,
+    log: Annotated[bool, typer.Option("--log", help="Print each request as a line of JSON to standard error.")] = False,
     rate: Annotated[
         float | None, typer.Option(min=0.1, help="Requests a second from one address; 50 unless local.")
     ] = None,
@@ -48,6 +49,7 @@ def serve(
         key=local_key() if address.is_local else None,
         requests_per_s=rate or (None if address.is_local else 50.0),
         secure=secure,
+        log_requests=log,
     )
     tell(settings, address)
     run(settings, address, workers=workers)

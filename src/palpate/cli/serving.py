@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import sys
 from typing import TYPE_CHECKING
 
@@ -27,7 +26,6 @@ def ready_store(place: Place, *, example: bool) -> None:
 
 def tell(settings: Settings, address: Address) -> None:
     """Say where it is."""
-    logging.basicConfig(format="%(message)s", stream=sys.stderr)
     print(f"Palpate is at {address.url}/ as the public sees it.", flush=True)
     if settings.key is not None:
         print(f"As the owner of the store: {address.url}/enter?key={settings.key}", flush=True)

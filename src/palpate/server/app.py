@@ -67,6 +67,7 @@ def application(store: Store, settings: Settings | None = None) -> FastAPI:
 def from_environment() -> FastAPI:
     """The application that the environment describes: what each worker runs."""
     settings = Settings.from_environment()
+    watching.start_log(requests=settings.log_requests)
     return application(open_store(settings.place, settings.blobs), settings)
 
 

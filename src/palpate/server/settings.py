@@ -32,6 +32,8 @@ class Settings:
         From one address in the long run; without a limit where it is None.
     secure
         Whether people reach it over TLS, so that their browsers are told to insist on it.
+    log_requests
+        Whether each request is a line of JSON on standard error.
     """
 
     place: str | None = None
@@ -43,6 +45,7 @@ class Settings:
     largest_body_bytes: int = 1 << 20
     requests_per_s: float | None = 50.0
     secure: bool = False
+    log_requests: bool = False
 
     def to_environment(self) -> None:
         """Leave them for the workers."""

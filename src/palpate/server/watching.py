@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import sys
 import time
 
 from fastapi import APIRouter
@@ -15,7 +16,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from palpate.server.api.parameters import StoreOf
 
-__all__ = ["Watching", "router"]
+__all__ = ["Watching", "router", "start_log"]
 
 _log = logging.getLogger("palpate.server.requests")
 router = APIRouter(tags=["health"])
@@ -46,6 +47,12 @@ def _registry() -> CollectorRegistry:
     registry = CollectorRegistry()
     MultiProcessCollector(registry)  # type: ignore[no-untyped-call]
     return registry
+
+
+def start_log(*, requests: bool) -> None:
+    """Write what goes wrong to standard error, and each request where that is wanted."""
+    logging.basicConfig(format="%(message)s", stream=sys.stderr)
+    _log.setLevel(logging.INFO if requests else logging.WARNING)
 
 
 class Watching:
