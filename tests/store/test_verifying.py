@@ -226,7 +226,7 @@ def test_one_fault_does_not_hide_another(local: Store, recording: Recording) -> 
     change(local, "UPDATE setups SET document = '{'")
     change(local, "DROP TABLE entries")
     change(local, "UPDATE recordings SET document = '[]' WHERE id = 2")
-    change(local, "UPDATE things SET attributes = '3' WHERE id = 1")
+    change(local, "UPDATE things SET attributes = '3' WHERE name = 'object1'")
     old_blob(local, b"left over")
     told = [f"{fault.where}: {fault.what}" for fault in verify(local)]
     for part in (
