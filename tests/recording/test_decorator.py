@@ -86,7 +86,7 @@ def test_the_signature_stays(spool: Spool) -> None:
     assert (weigh.__name__, weigh.__doc__) == ("weigh", "Weigh it.")
     assert list(inspect.signature(weigh).parameters) == ["times", "slowly"]
     assert weigh(3, slowly=True) == {"times": 3}
-    assert any("returned dict" in notice for notice in recorded(spool)[0].notices)
+    assert any("returned {'times': 3} (dict)" in notice for notice in recorded(spool)[0].notices)
 
 
 def test_a_measurement_that_raises_is_recorded_as_failed(spool: Spool) -> None:
@@ -211,6 +211,55 @@ def test_a_result_that_no_store_keeps_is_failed_and_returned(spool: Spool, caplo
     assert isinstance(found.entries[0], FailedEntry)
     assert "sum to 0.4" in found.entries[0].reason
     assert "kept as failed" in caplog.text
+
+
+@pytest.mark.parametrize("returned", [412.0, (412.0, "g"), {"mass": 412.0}, np.float64(412.0)])
+def test_what_is_no_result_is_told_at_once(spool: Spool, caplog: pytest.LogCaptureFixture, returned: object) -> None:
+    """A bare number is returned as it is, a warning says that it is no result, and the notice holds it."""
+
+    @record("weighing", property="mass", thing=MUG, spool=spool)
+    def weigh() -> object:
+        return returned
+
+    assert weigh() is returned
+    (found,) = recorded(spool)
+    (notice,) = found.notices
+    assert found.entries == ()
+    assert "412.0" in notice
+    (warned,) = caplog.messages
+    assert warned.startswith(f"weighing: {notice}; expected what Outcome makes")
+
+
+def test_what_cannot_be_shown_fails_no_measurement(spool: Spool) -> None:
+    """What is returned may be large, and its words may be none."""
+
+    class Mute:
+        def __repr__(self) -> str:
+            raise RuntimeError("no words")
+
+    for returned in (Mute(), "\udc80\0", np.zeros((100, 100)), ["x" * 10_000] * 1000):
+
+        @record("weighing", thing=MUG, spool=spool)
+        def weigh(what: object) -> object:
+            return what
+
+        assert weigh(returned) is returned
+    notices = [notice for found in recorded(spool) for notice in found.notices]
+    assert len(notices) == 4
+    assert max(map(len, notices)) < 6000
+    assert not any("\n" in notice for notice in notices)
+
+
+def test_nothing_returned_is_nothing_told(spool: Spool, caplog: pytest.LogCaptureFixture) -> None:
+    """A measurement that returns None, or a result, is warned of nothing."""
+
+    @record("weighing", thing=MUG, spool=spool)
+    def weigh(what: object) -> object:
+        return what
+
+    weigh(None)
+    weigh(Reading(412.0, unit="g"))
+    assert caplog.messages == []
 
 
 def test_wrong_signals_are_refused_where_they_are_given(spool: Spool) -> None:

@@ -36,6 +36,8 @@ UNNAMED = ThingRef("unnamed", "unnamed")
 
 _log = logging.getLogger("palpate.recording")
 
+EXPECTED = 'what Outcome makes, as Outcome.normal("mass", 118.0, unit="g"), an outcome of robots, or None'
+
 
 @cache
 def _this_program() -> str:
@@ -125,6 +127,9 @@ class Measuring:
             self._drop(unfinished)
             return
         entries, notices = entries_of(returned.value, self.property)
+        if not entries:
+            for notice in notices:
+                _log.warning("%s: %s; expected %s", self.action, notice, EXPECTED)
         self._finish(unfinished, recorder, entries, notices, exact_outcome(self.action, returned.value, entries))
 
     def _begun(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Recording:

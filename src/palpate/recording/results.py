@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import reprlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import cast, get_args
@@ -21,6 +22,11 @@ OUTCOME = "outcome.json"
 """The file of a recording that holds its outcome, where the entries do not say all of it."""
 
 Told = tuple[tuple[Entry, ...], tuple[str, ...]]
+
+# a value may be of any size, and one that cannot be shown must not fail the measurement
+_SHORT = reprlib.Repr()
+_SHORT.maxother = _SHORT.maxstring = 200
+_SHORT.maxdict = _SHORT.maxlist = _SHORT.maxtuple = 20
 
 
 class Outcome:
@@ -82,7 +88,7 @@ def entries_of(result: object, property: str) -> Told:
     >>> entries_of(Reading(118.0, unit="g"), "mass")
     ((Value(property='mass', value=118.0, sd=None, unit='g'),), ())
     >>> entries_of({"mass": 118.0}, "mass")
-    ((), ('the measurement returned dict, which is no result: it is not kept',))
+    ((), ("the measurement returned {'mass': 118.0} (dict), which is no result: only this notice keeps it",))
     """
     if result is None:
         return (), ()
@@ -98,7 +104,8 @@ def entries_of(result: object, property: str) -> Told:
         return _distribution(property, result.probabilities, "probabilities")
     if isinstance(result, Likelihood):
         return _distribution(property, result.values, "likelihoods")
-    return (), (f"the measurement returned {type(result).__name__}, which is no result: it is not kept",)
+    told = f"the measurement returned {_SHORT.repr(result)} ({type(result).__name__}), which is no result"
+    return (), (" ".join(f"{told}: only this notice keeps it".split()),)
 
 
 def _entry_of_number(result: Reading | Above | Below | Failed, property: str) -> Entry:
