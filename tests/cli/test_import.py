@@ -40,6 +40,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_an_import_tells_what_became_of_everything(run: Any, given: Path) -> None:
     """Each refused and skipped file is told with the reason, then the counts; a refusal is exit code 1."""
+    run("store", "object", "add", "our/mug")
     first, second = run("store", "import", given), run("store", "import", given)
     assert (first.code, first.err) == (1, "")
     refused, skipped, counts = first.out.splitlines()

@@ -57,6 +57,27 @@ def test_recover_then_upload(run: Run, spool: Spool, tmp_path: Path) -> None:
         assert [store.get(digest).digest for digest in digests] == digests
 
 
+def test_where_they_were_sent_is_told(run: Run, spool: Spool, tmp_path: Path) -> None:
+    """A store that is made is told on standard error, and where the recordings are now; a name mistyped shows."""
+    spool.add(squeeze())
+    place = tmp_path / "mesurements" / "x.sqlite"
+    ran = run("spool", "upload", "--spool", spool.folder, "--to", place)
+    assert ran.err == f"palpate: new store made at {place}\n"
+    assert f"1 recording in sqlite:///{place}\n" in ran.out
+    spool.add(squeeze(log="another"))
+    assert run("spool", "upload", "--spool", spool.folder, "--to", place).err == ""
+
+
+def test_nothing_is_made_for_nothing(run: Run, spool: Spool, tmp_path: Path) -> None:
+    """Where nothing waits there is neither a store nor a folder made."""
+    with spool.claimed(name := spool.add(squeeze())):
+        spool.refuse(name, "no such owner")
+    ran = run("spool", "upload", "--spool", spool.folder, "--to", tmp_path / "mesurements" / "x.sqlite")
+    assert (ran.code, ran.err) == (1, "")
+    assert "0 waiting, 1 refused" in ran.out
+    assert not (tmp_path / "mesurements").exists()
+
+
 def test_refused_ones_are_sent_again_when_asked(run: Run, spool: Spool, tmp_path: Path) -> None:
     """--refused queues them again."""
     name = spool.add(squeeze())

@@ -77,10 +77,17 @@ def test_what_replays_or_fits_makes_none(run: Any, folder: Path) -> None:
 
 
 def test_what_writes_makes_one(run: Any, folder: Path) -> None:
-    """An import, an object that is added, and an exploration that is kept, make the store."""
-    assert run("store", "import", "--example", "--store", "a.sqlite").code == 0
-    assert run("store", "object", "add", "our/mug", "--store", "b.sqlite").code == 0
-    assert run("explore", "ceramic_mug", "--seed", 1, "--steps", 1, "--record", "--store", "c.sqlite").code == 0
+    """An import, an object that is added, and an exploration that is kept, make the store and say so."""
+    explore = ("explore", "ceramic_mug", "--seed", 1, "--steps", 1, "--record")
+    for name, command in (
+        ("a", ("store", "import", "--example")),
+        ("b", ("store", "object", "add", "our/mug")),
+        ("c", explore),
+    ):
+        ran = run(*command, "--store", f"{name}.sqlite")
+        assert ran.code == 0
+        assert f"palpate: new store made at {folder / name}.sqlite\n" in ran.err
+    assert "new store" not in run(*explore, "--store", "c.sqlite").err
     for name in "abc":
         assert run("store", "verify", "--store", f"{name}.sqlite").out == "all is as it was written\n"
 

@@ -68,8 +68,11 @@ def upload(
     found = _found(spool)
     for name in found.refused() if refused else ():
         found.requeue(name)
-    with _receiver(to) as receiver:
-        is_empty = print_sent(found, send(found, receiver, back_off=BackOff(attempts=attempts)))
+    if not found.waiting():
+        # a place that was mistyped gets neither a store nor a folder for nothing
+        raise typer.Exit(0 if print_sent(found, ()) else 1)
+    with _receiver(to) as (receiver, place):
+        is_empty = print_sent(found, send(found, receiver, back_off=BackOff(attempts=attempts)), place)
     raise typer.Exit(0 if is_empty else 1)
 
 
@@ -84,13 +87,15 @@ def _found(folder: Path | None) -> Spool:
 
 
 @contextmanager
-def _receiver(place: str | None) -> Iterator[Receiver]:
+def _receiver(place: str | None) -> Iterator[tuple[Receiver, str]]:
+    """What takes recordings, and where it is, for people to read."""
     if place is not None and place.startswith(("http://", "https://")):
         from palpate.client import HttpReceiver
 
-        yield HttpReceiver(place)
+        yield HttpReceiver(place), place
         return
+    from palpate.cli.storing import tell_made
     from palpate.store.opening import open_store
 
-    with open_store(place) as store:
-        yield store
+    with open_store(place, made=tell_made) as store:
+        yield store, repr(store.engine.url)

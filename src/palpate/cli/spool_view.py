@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from palpate.cli.terminal import console
+from palpate.figures.wording import plural
 from palpate.recording.spool import Spool
 from palpate.recording.uploading import Sent
 from palpate.store.entries import FailedEntry
@@ -40,11 +41,21 @@ def print_recovered(recovered: Iterable[tuple[str, Recording | StoreError]]) -> 
     out.print(f"{count} recovered", soft_wrap=True)
 
 
-def print_sent(spool: Spool, sent: Iterable[Sent]) -> bool:
-    """Print what became of each recording, as it happens, and what to do about the rest; True where there is none."""
+def print_sent(spool: Spool, sent: Iterable[Sent], place: str = "") -> bool:
+    """Print what became of each recording, as it happens, and what to do about the rest; True where there is none.
+
+    Parameters
+    ----------
+    place
+        Where they are sent, as people read it.
+    """
     out = console()
+    arrived = 0
     for one in sent:
+        arrived += one.state in ("sent", "known")
         out.print(f"{one.state:8} {one.name}  {one.reason}".rstrip(), soft_wrap=True)
+    if arrived:
+        out.print(f"{plural(arrived, 'recording')} in {place}", soft_wrap=True)
     waiting, refused = spool.waiting(), spool.refused()
     out.print(f"{len(waiting)} waiting, {len(refused)} refused", soft_wrap=True)
     if waiting:

@@ -49,10 +49,11 @@ class Place:
         """The store, closed afterwards; one that is not there is made only where it was asked for."""
         from sqlalchemy.exc import DBAPIError
 
+        from palpate.cli.storing import tell_made
         from palpate.store.errors import UnavailableError
         from palpate.store.opening import open_store
 
-        with open_store(self.place, self.blobs, make=make) as found:
+        with open_store(self.place, self.blobs, make=make, made=tell_made) as found:
             try:
                 yield found
             except DBAPIError as error:

@@ -25,6 +25,7 @@ __all__ = [
     "check_name",
     "labels_of",
     "moment_of",
+    "tell_made",
 ]
 
 
@@ -40,6 +41,11 @@ def check_installed() -> None:
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
         raise PalpateError(f'palpate store needs {missing[0]}, which is not installed: pip install "palpate[store]"')
+
+
+def tell_made(place: str) -> None:
+    """Say on standard error that a store was made: a name that was mistyped makes one too."""
+    print(f"palpate: new store made at {place}", file=sys.stderr)
 
 
 @dataclass

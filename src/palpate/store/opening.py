@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 from sqlalchemy import URL
@@ -16,7 +17,12 @@ __all__ = ["open_store"]
 
 
 def open_store(
-    place: str | Path | None = None, blobs: str | Path | None = None, *, durable: bool = True, make: bool = True
+    place: str | Path | None = None,
+    blobs: str | Path | None = None,
+    *,
+    durable: bool = True,
+    make: bool = True,
+    made: Callable[[str], object] = lambda _: None,
 ) -> Store:
     """Open a store, and make it where there is none.
 
@@ -32,6 +38,8 @@ def open_store(
         See `palpate.store.database.connect`.
     make
         Whether one is made where there is none; who only reads does not want a new one for a name mistyped.
+    made
+        Called with the place of a store that has just been made, for people to read.
 
     Raises
     ------
@@ -58,9 +66,13 @@ def open_store(
     engine = connect(url, durable=durable)
     try:
         kept = _blobs(blobs or os.environ.get("PALPATE_BLOBS"), path)
-        if not make and not is_store(engine):
+        is_new = not is_store(engine)
+        if is_new and not make:
             raise _not_there(path or engine.url)
         up_to_date(engine)
+        if is_new:
+            # the text of an address hides its password
+            made(str(path or engine.url))
     except BaseException:
         engine.dispose()
         raise
