@@ -11,6 +11,7 @@ import typer
 import typer.main
 
 from palpate.cli.app import app
+from palpate.recording.spool import Spool
 from palpate.store.opening import open_store
 from tests.store.made_up import squeeze
 
@@ -90,6 +91,21 @@ def test_what_writes_makes_one(run: Any, folder: Path) -> None:
     assert "new store" not in run(*explore, "--store", "c.sqlite").err
     for name in "abc":
         assert run("store", "verify", "--store", f"{name}.sqlite").out == "all is as it was written\n"
+
+
+@pytest.mark.parametrize("empty", ["", " "])
+def test_a_place_that_is_empty_is_refused(run: Any, folder: Path, monkeypatch: pytest.MonkeyPatch, empty: str) -> None:
+    """A variable of the shell that is not set does not send recordings to another store."""
+    monkeypatch.setenv("PALPATE_STORE", "other.sqlite")
+    explore = ("explore", "ceramic_mug", "--seed", 1, "--steps", 1, "--record")
+    for command in (("store", "import", "--example"), ("store", "show"), explore):
+        assert f"store: found {empty!r}, expected a place" in run(*command, "--store", empty).refused
+        assert f"blobs: found {empty!r}, expected a place" in run(*command, "--blobs", empty).refused
+    Spool("spool", sync=False).add(squeeze())
+    assert (
+        f"store: found {empty!r}, expected a place" in run("spool", "upload", "--spool", "spool", "--to", empty).refused
+    )
+    assert [path.name for path in folder.iterdir()] == ["spool"]
 
 
 @pytest.mark.parametrize("place", ["postgresql+psycopg://ann:secret@host/lab", "postgresql://ann:secret@host/lab"])

@@ -44,7 +44,7 @@ def open_store(
     Raises
     ------
     StoreError
-        If it cannot be opened, or is not there and is not to be made.
+        If it cannot be opened, or is not there and is not to be made, or a place is empty.
 
     Examples
     --------
@@ -52,6 +52,10 @@ def open_store(
     ...     type(store.blobs).__name__
     'FolderBlobs'
     """
+    # of a variable of the shell that is not set; another store than the one that was meant would be written to
+    for name, given in (("store", place), ("blobs", blobs)):
+        if isinstance(given, str) and not given.strip():
+            raise StoreError(f"{name}: found {given!r}, expected a place, or none at all for the usual one")
     place = place or os.environ.get("PALPATE_STORE") or default_path()
     url = str(place)
     path = None if "://" in url else Path(url).absolute()
