@@ -66,6 +66,21 @@ def test_a_file_without_a_store_in_it_gets_none(run: Any, folder: Path, what: st
     connection.close()
 
 
+def test_the_database_of_another_program_is_left_as_it_is(run: Any, folder: Path) -> None:
+    """What writes refuses it, and what reads finds no store in it; not one byte of it is changed."""
+    with sqlite3.connect("other.sqlite") as connection:
+        connection.execute("CREATE TABLE visits (id)")
+    connection.close()
+    before = Path("other.sqlite").read_bytes()
+    explore = ("explore", "ceramic_mug", "--seed", 1, "--steps", 1, "--record")
+    for command in (("store", "import", "--example"), ("store", "object", "add", "our/mug"), explore):
+        refused = run(*command, "--store", "other.sqlite").refused
+        assert f"store '{folder / 'other.sqlite'}': holds the tables of another program" in refused
+    assert "there is no store at" in run("store", "show", "--store", "other.sqlite").refused
+    assert Path("other.sqlite").read_bytes() == before
+    assert [path.name for path in folder.iterdir()] == ["other.sqlite"]
+
+
 def test_what_replays_or_fits_makes_none(run: Any, folder: Path) -> None:
     """A replay from a store and a fit to one need one that is there."""
     for command in (

@@ -11,6 +11,7 @@ from sqlalchemy import URL
 from palpate.store.blobs import Blobs, FolderBlobs
 from palpate.store.database import connect, is_store, up_to_date
 from palpate.store.errors import StoreError
+from palpate.store.foreign import is_foreign
 from palpate.store.store import Store
 
 __all__ = ["open_store"]
@@ -62,10 +63,7 @@ def open_store(
     if path is None and url.startswith("sqlite:///"):
         path = Path(url.removeprefix("sqlite:///")).absolute()
     if path is not None:
-        if make:
-            _make_folder(path.parent)
-        elif not path.exists():
-            raise _not_there(path)
+        _check_file(path, make=make)
         url = f"sqlite:///{path}"
     engine = connect(url, durable=durable)
     try:
@@ -108,6 +106,19 @@ def _blobs(place: str | Path | None, database: Path | None) -> Blobs:
 def _not_there(place: Path | URL) -> StoreError:
     # the text of an address hides its password
     return StoreError(f"there is no store at {place}, expected one that an import or a recording has made")
+
+
+def _check_file(path: Path, *, make: bool) -> None:
+    """Refuse a file that is no store, before anything in it or beside it is changed; make its folder."""
+    foreign = is_foreign(path)
+    if not make and (foreign or not path.exists()):
+        raise _not_there(path)
+    if foreign:
+        raise StoreError(
+            f"store {str(path)!r}: holds the tables of another program, expected a store or the name of a new file"
+        )
+    if make:
+        _make_folder(path.parent)
 
 
 def _make_folder(folder: Path) -> None:
