@@ -377,6 +377,41 @@ def test_what_cannot_be_recorded_is_refused(decorated: Any) -> None:
         record("weighing")(decorated)
 
 
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ({"thing": "mug"}, r"thing: found 'mug', expected a ThingRef, as ThingRef\("),
+        ({"spool": "spool"}, r"spool: found 'spool', expected a Spool, as Spool\("),
+        ({"action": ""}, "action: "),
+        ({"action": None}, "action: "),
+    ],
+)
+def test_what_no_recording_can_have_is_refused_when_decorated(given: dict[str, Any], expected: str) -> None:
+    """A name in the place of an object, a folder in that of a spool, and no action, are told before any call."""
+    with pytest.raises(RecordingError, match=f"^@record: {expected}"):
+        record(**{"action": "weighing", **given})
+
+
+def test_a_name_is_no_object(spool: Spool) -> None:
+    """What a function tells, or the recorder is told, must be an object; the first before the robot moves."""
+    moved = []
+
+    @record("weighing", thing=lambda: "mug", spool=spool)  # type: ignore[arg-type, return-value]
+    def weigh() -> None:
+        moved.append(True)
+
+    with pytest.raises(RecordingError, match="returned 'mug', expected a ThingRef"):
+        weigh()
+
+    @record("weighing", spool=spool)
+    def weigh_named() -> None:
+        current_recording().thing("mug")  # type: ignore[arg-type]
+
+    with pytest.raises(RecordingError, match="thing: found 'mug', expected a ThingRef"):
+        weigh_named()
+    assert not moved
+
+
 def test_a_setup_file_is_read_at_the_first_call(tmp_path: Path, spool: Spool) -> None:
     """The devices come from a TOML file; what is wrong in it is told before the robot moves."""
     file = tmp_path / "setup.toml"

@@ -11,7 +11,9 @@ from typing import Any, ParamSpec, TypeVar, cast
 from palpate.recording.errors import RecordingError
 from palpate.recording.measuring import About, Measuring, WhichThing
 from palpate.recording.spool import Spool
-from palpate.store.records import Setup
+from palpate.store.errors import StoreError
+from palpate.store.records import Setup, ThingRef
+from palpate.store.texts import check_name
 
 __all__ = ["record"]
 
@@ -55,8 +57,9 @@ def record(
     Raises
     ------
     RecordingError
-        When decorated: if the function is a generator, a static or a class method (decorate what is inside). When
-        called: if the recording cannot be begun, or not be finished; an exception of the function itself goes first.
+        When decorated: if the function is a generator, a static or a class method (decorate what is inside), the
+        action is empty, or the object or the spool is none. When called: if the recording cannot be begun, or not be
+        finished; an exception of the function itself goes first.
 
     Examples
     --------
@@ -74,6 +77,7 @@ def record(
     ...     [spool.read(name).entries == (result,) for name in spool.waiting()]
     [True]
     """
+    _check_given(action, thing, spool)
     measuring = Measuring(action, setup, thing, property or action, about or About(), tuple(keywords), spool)
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
@@ -97,6 +101,19 @@ def record(
         return measure
 
     return decorate
+
+
+def _check_given(action: object, thing: object, spool: object) -> None:
+    """Refuse what no recording could have, before there is a call."""
+    try:
+        check_name("action", action)
+    except StoreError as error:
+        raise RecordingError(f"@record: {error}") from None
+    if not (thing is None or isinstance(thing, ThingRef) or callable(thing)):
+        expected = 'a ThingRef, as ThingRef("our lab", "mug"), or a function that returns one'
+        raise RecordingError(f"@record: thing: found {thing!r}, expected {expected}")
+    if not (spool is None or isinstance(spool, Spool)):
+        raise RecordingError(f'@record: spool: found {spool!r}, expected a Spool, as Spool("spool")')
 
 
 def _check_decorable(function: Callable[..., Any]) -> None:

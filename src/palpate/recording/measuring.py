@@ -134,6 +134,8 @@ class Measuring:
 
     def _begun(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Recording:
         thing = self.thing(*args, **kwargs) if callable(self.thing) else self.thing
+        if not (thing is None or isinstance(thing, ThingRef)):
+            raise RecordingError(f"{self.action}: the function of thing= returned {thing!r}, expected a ThingRef")
         begun = Recording(
             recorded_at=datetime.now(UTC),
             action=self.action,

@@ -117,6 +117,8 @@ class Recorder:
 
     def thing(self, thing: ThingRef) -> None:
         """Tell which object is measured."""
+        if not isinstance(thing, ThingRef):
+            raise RecordingError(f"thing: found {thing!r}, expected a ThingRef")
         self._update(thing=thing)
 
     def object_pose(self, pose: Pose) -> None:
