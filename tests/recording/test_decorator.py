@@ -16,7 +16,7 @@ from palpate.recording import About, Outcome, Spool, current_recording, record
 from palpate.recording.errors import RecordingError
 from palpate.store.entries import Distribution, FailedEntry, Value
 from palpate.store.errors import StoreError
-from palpate.store.records import Device, Pose, Recording, Setup, ThingRef
+from palpate.store.records import Channel, Device, Pose, Recording, Series, Setup, ThingRef
 
 MUG = ThingRef("ycb", "025_mug")
 
@@ -295,6 +295,28 @@ def test_a_wrong_unit_of_what_everybody_knows_is_an_error_at_its_line(spool: Spo
     assert (reached[0].series, reached[0].entries, found.series) == ((), (), ())
     assert isinstance(found.entries[0], FailedEntry)
     assert "unit 'g' is mass" in found.entries[0].reason
+
+
+def test_time_stamps_that_go_back_are_refused(spool: Spool) -> None:
+    """They are an error at their line, and equal ones are none; channels may have stamps of their own."""
+
+    @record("weighing", spool=spool)
+    def weigh() -> None:
+        recorder = current_recording()
+        wrong = r"series 'scale', channel 'load': time stamp 2 is 0.001 s, after 0.003 s; expected none to go back"
+        with pytest.raises(RecordingError, match=wrong):
+            recorder.series("scale", load=[1.0, 2.0, 3.0], time=[0, 3, 1], units={"time": "ms"})
+        good, bad = (
+            Channel(name, name, None, np.zeros(2), None, np.array(times))
+            for name, times in (("a", [0, 1.0]), ("b", [3.0, 1]))
+        )
+        with pytest.raises(RecordingError, match="channel 'b'"):
+            recorder.add_series(Series("both", (good, bad)))
+        recorder.series("scale", load=[1.0, 2.0, 3.0], time=[0, 3, 3])
+
+    weigh()
+    (found,) = recorded(spool)
+    assert [series.name for series in found.series] == ["scale"]
 
 
 def test_names_are_given_once(spool: Spool) -> None:

@@ -75,7 +75,7 @@ class Recorder:
         StoreError
             If the channels do not fit together, or a unit is unknown or of another dimension.
         RecordingError
-            If a unit or a quantity is for a channel that is not there.
+            If a unit or a quantity is for a channel that is not there, or time stamps go back.
         """
         units, quantities = dict(units or {}), dict(quantities or {})
         for given in (*units, *quantities):
@@ -92,6 +92,7 @@ class Recorder:
     def add_series(self, series: Series) -> None:
         """Keep a series whose channels have rates or time stamps of their own."""
         with self._open(series=(series,)) as writer:
+            _check_forward(series)
             writer.add_series(series)
 
     def file(self, name: str, content: Content, *, media_type: str | None = None) -> None:
@@ -192,6 +193,19 @@ class Recorder:
             # what is there was checked when it came
             check(replace(self._begun, **fields))
             yield self._writer
+
+
+def _check_forward(series: Series) -> None:
+    """Refuse time stamps that go back, as an import of tables does; nobody knows which samples they belong to."""
+    for channel in series.channels:
+        times = channel.time_s
+        if times is None:
+            continue
+        back = np.flatnonzero(np.diff(times) < 0)
+        if back.size:
+            place = int(back[0]) + 1
+            found = f"time stamp {place} is {times[place]:g} s, after {times[place - 1]:g} s"
+            raise RecordingError(f"series {series.name!r}, channel {channel.name!r}: {found}; expected none to go back")
 
 
 def current_recording() -> Recorder:
