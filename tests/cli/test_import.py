@@ -141,13 +141,51 @@ def test_many_files_are_named_only_in_the_report() -> None:
     assert len(report.plain()["skipped"]) == 300
 
 
+@pytest.mark.parametrize("barren", ["notes.txt", "a.csv", "empty"])
+def test_a_path_of_which_nothing_came_is_told(run: Any, given: Path, barren: str) -> None:
+    """A file of no format, a table without a map and an empty folder are exit code 1 where they were named."""
+    (given / "empty").mkdir()
+    (given / "a.csv").write_text("force\n1\n2\n")
+    run("store", "object", "add", "our/mug")
+    done = run("store", "import", given / "archive", given / barren)
+    assert (done.code, done.err) == (1, f"palpate: nothing came of {given / barren}, expected what can be imported\n")
+    again = run("store", "import", given / "archive", given / barren, given / "empty", given / "notes.txt")
+    assert again.code == 1
+    assert f"nothing came of {given / barren} and {1 if barren != 'a.csv' else 2} more of the paths" in again.err
+
+
+def test_what_is_skipped_in_a_folder_is_no_failure(run: Any, given: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Notes beside what can be imported are skipped, also where the folder is the one that one is in."""
+    monkeypatch.chdir(given)
+    next(given.glob("upload_dict*_1.json")).unlink()
+    for folder in (".", given, f"../{given.name}"):
+        done = run("store", "import", folder)
+        assert "skipped: " in done.out
+        assert (done.code, "nothing came" in done.err) == (0, False)
+
+
+def test_a_picture_that_is_named_beside_its_file_is_used(run: Any, tmp_path: Path) -> None:
+    """Where the shell names all files of a folder, a picture came with the recording that it belongs to."""
+    (tmp_path / "eye.png").write_bytes(b"picture")
+    file = upload(tmp_path, "cat-vision_0", labels("cat-vision", mug=1.0), {"eye": {"image": "eye.png"}})
+    assert run("store", "import", file, tmp_path / "eye.png").code == 0
+
+
+def test_an_archive_without_recordings_is_something(run: Any, tmp_path: Path) -> None:
+    """One that holds an object alone gives it, and nothing is wrong."""
+    run("store", "object", "add", "our/mug", "--store", tmp_path / "first.sqlite")
+    assert run("store", "export", tmp_path / "objects", "--store", tmp_path / "first.sqlite").code == 0
+    assert run("store", "import", tmp_path / "objects").code == 0
+    assert "mug" in run("store", "objects").out
+
+
 def test_names_of_files_cannot_command_a_terminal(run: Any, tmp_path: Path) -> None:
     """A name with a line break, an escape or bytes that are no text is one line of what can be printed."""
     (tmp_path / "given").mkdir()
     (tmp_path / "given" / os.fsdecode(b"a\n\x1b[2J\xff.txt")).write_text("")
     done = run("store", "import", tmp_path / "given")
     assert done.out.splitlines()[0] == f"skipped: {tmp_path}/given/a??[2J?.txt: of no format that palpate knows"
-    assert done.code == 0
+    assert done.code == 1
 
 
 def test_a_bar_is_shown_in_a_terminal_only(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
@@ -177,6 +215,7 @@ def test_an_export_for_others_is_known_as_such(run: Any, tmp_path: Path, place: 
         first, counts = done.out.splitlines()
         assert first.startswith(f"skipped: {path}: {told}")
         assert counts == "0 new, 0 there already, 0 refused, 1 skipped"
+        assert done.code == 1
 
 
 def test_a_cut_bag_is_told_once(run: Any, tmp_path: Path) -> None:

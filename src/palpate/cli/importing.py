@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from palpate.cli.fruitless import Fruitless
 from palpate.cli.import_view import bar, counts_line, outcome_lines, report_lines
 from palpate.cli.terminal import console
 from palpate.errors import PalpateError
@@ -46,13 +47,20 @@ def formats_of(columns: Path | None, topics: Path | None) -> Sequence[Format]:
 
 def import_shown(
     store: Store, paths: Sequence[Path], formats: Sequence[Format], *, report_file: Path | None, verbose: bool
-) -> Report:
-    """Import, show how far it is, tell what was refused and skipped, and write the report where one is asked for."""
+) -> bool:
+    """Import, show how far it is, tell what was refused and skipped, and write the report where one is asked for.
+
+    Returns
+    -------
+    bool
+        Whether nothing was refused, and something came of each path: one that was named was meant.
+    """
+    from palpate.store.importing.items import Fate
     from palpate.store.importing.report import Report
 
-    report = Report()
+    report, fruitless = Report(), Fruitless(paths)
     try:
-        _import(store, paths, formats, report, verbose=verbose)
+        _import(store, paths, formats, report, fruitless, verbose=verbose)
         report.complete = True
     finally:
         if not report.complete:
@@ -62,16 +70,29 @@ def import_shown(
             report_file.write_text(json.dumps(report.plain(), indent=1) + "\n", encoding="utf-8")
     for line in report_lines(report):
         console().out(line)
-    return report
+    left = fruitless.without_more(formats)
+    if left:
+        more = f" and {len(left) - 1} more of the paths" if len(left) > 1 else ""
+        print(f"palpate: nothing came of {left[0]}{more}, expected what can be imported", file=sys.stderr)
+    return not (left or report.count(Fate.REFUSED))
 
 
-def _import(store: Store, paths: Sequence[Path], formats: Sequence[Format], report: Report, *, verbose: bool) -> None:
+def _import(
+    store: Store,
+    paths: Sequence[Path],
+    formats: Sequence[Format],
+    report: Report,
+    fruitless: Fruitless,
+    *,
+    verbose: bool,
+) -> None:
     from palpate.store.importing.finding import count_items
     from palpate.store.importing.intake import import_paths
 
     with bar(lambda: count_items(paths, formats)) as step:
         for outcome in import_paths(store, paths, formats):
             report.add(outcome)
+            fruitless.strike(outcome)
             step()
             for line in outcome_lines(outcome) if verbose else ():
                 console().out(line)

@@ -115,17 +115,19 @@ def import_(
         bool, typer.Option("--verbose", "-v", help="Print every decision on how a file was read.")
     ] = False,
 ) -> None:
-    """Put recordings from files into the store; what is there already stays as it is."""
+    """Put recordings from files into the store; what is there already stays as it is.
+
+    The exit code is 1 where something was refused, or nothing came of a path.
+    """
     from palpate.cli.importing import check_paths, formats_of, import_shown
-    from palpate.store.importing.items import Fate
     from palpate.store.importing.own_formats import EXAMPLE
 
     wanted = [*(paths or ()), *([EXAMPLE] if example else [])]
     check_paths(wanted, report)
     formats = formats_of(columns, topics)
     with place.opened(make=True) as found:
-        done = import_shown(found, wanted, formats, report_file=report, verbose=verbose)
-    raise typer.Exit(1 if done.count(Fate.REFUSED) else 0)
+        is_well = import_shown(found, wanted, formats, report_file=report, verbose=verbose)
+    raise typer.Exit(0 if is_well else 1)
 
 
 @app.command("schema")
