@@ -96,7 +96,7 @@ REFUSED = {
     "since": (("--store", "store.sqlite", "--since", "soon"), "--since: 'soon' was found"),
     "date": ((*CSV, "--date", "soon"), "--date: 'soon' was found, expected a date such as 2024-05-01"),
     "count": ((*CSV, "--pseudo-count", "0"), "pseudo-count: found 0; expected a number above 0"),
-    "keep": ((*CSV, "--keep", "wiegh"), "keep: found 'wiegh' (did you mean 'weigh'?)"),
+    "keep": ((*CSV, "--keep", "wiegh"), "palpate: --keep: found 'wiegh' (did you mean 'weigh'?)"),
     "folds": ((*CSV, "--folds", "1"), "--folds: found 1, expected 2 at least, or 0 for no scores"),
     "empty": (("--csv", "empty.csv"), "found 0 objects that say nothing of the network"),
 }
@@ -144,7 +144,10 @@ def test_objects_of_the_template_are_left_out(run: Any, lab: Path) -> None:
 def test_the_store_of_the_environment_is_taken(run: Any, lab: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without --store and --csv the store is the one that other commands take."""
     monkeypatch.setenv("PALPATE_STORE", "store.sqlite")
-    assert run("network", "fit", "--like", "workshop.toml", "-o", "own.toml", "--folds", 0).code == 0
+    fitted = run("network", "fit", "--like", "workshop.toml", "-o", "own.toml", "--folds", 0)
+    assert fitted.code == 0
+    place = f"sqlite:///{lab / 'store.sqlite'}"
+    assert fitted.out.splitlines()[0] == f"data from {place}, as neither --store nor --csv was given"
     assert "--store" not in read_document("own.toml").section("provenance").text("command")
 
 

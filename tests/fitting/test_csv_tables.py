@@ -137,7 +137,7 @@ HEADERS = {
         "object,metall",
         "column 'metall': found no property 'metall' (did you mean 'metal'?); choose from 'object', 'kind'",
     ),
-    "dimension": ("object,mass [cm]", "column 'mass [cm]': found a unit 'cm' is length"),
+    "dimension": ("object,mass [cm]", "column 'mass [cm]': unit 'cm' is length"),
     "unit": ("object,mass [blubs]", "column 'mass [blubs]': found an unknown unit 'blubs'"),
     "state": ("object,kind [g]", "found the unit 'g' of 'kind', which has states"),
     "again": ("object,mass [g],mass [kg]", "column 'mass [kg]': found a second column of 'mass'"),

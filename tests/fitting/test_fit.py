@@ -124,6 +124,9 @@ def test_numbers_that_are_nowhere(tmp_path: Path) -> None:
         FittingError, match=r"metal: found 0 values; expected at least 3 of objects with known kind and"
     ):
         fit(blank, [])
+    one = [replace(specimens[0], readings={name: found[:1] for name, found in specimens[0].readings.items()})]
+    with pytest.raises(FittingError, match=r"found 1 (value|reading); expected"):
+        fit(blank, one)
 
 
 def test_wrong_settings(template: Template) -> None:

@@ -71,7 +71,11 @@ class From:
         wanted = Filter(dataset=asked.dataset, device=asked.device, gripper=asked.gripper, since=since, until=until)
         with self.place.opened() as store:
             check_known(store, wanted)
-            return read_store(store, network, wanted)
+            data = read_store(store, network, wanted)
+            if self.place.place is None and data.specimens:
+                # nobody has named it
+                print(f"data from {store.engine.url!r}, as neither --store nor --csv was given")
+            return data
 
     @property
     def words(self) -> list[object]:

@@ -48,9 +48,16 @@ class All:
 
     def settings(self, network: Network, how: How) -> Settings:
         """How the network is fitted."""
+        from palpate.fitting.errors import FittingError
         from palpate.fitting.settings import Settings
 
-        return Settings(how.pseudo_count, tuple(how.keep or ()))
+        try:
+            settings = Settings(how.pseudo_count, tuple(how.keep or ()))
+            settings.check(network)
+        except FittingError as error:
+            # fields are called as the options are
+            raise PalpateError(f"--{error}") from None
+        return settings
 
     def words(self, how: How) -> list[str]:
         """What was typed."""

@@ -122,7 +122,7 @@ def unit_factor(unit: str | None, wanted: str) -> float:
     try:
         return 1.0 if unit is None else factor(unit, wanted)
     except UnitError as error:
-        raise FittingError(f"found an {error}" if "unknown" in str(error) else f"found a {error}") from None
+        raise FittingError(f"found an {error}" if "unknown" in str(error) else str(error)) from None
 
 
 def _check_support(prop: ContinuousProperty, value: float) -> None:

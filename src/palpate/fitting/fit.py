@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from palpate.errors import plural
 from palpate.fitting.data import Specimen
 from palpate.fitting.densities import TOO_FEW as FEW_VALUES
 from palpate.fitting.densities import fit_density
@@ -57,13 +58,15 @@ def fit(template: Template, specimens: Sequence[Specimen], settings: Settings | 
         properties[prop.name], part = fit_property(network, prop, ordered, settings)
         property_parts[prop.name] = part
         if part.counts is None and prop.name in template.blank_properties:
-            raise _missing(prop.name, f"{part.objects} values", f"{FEW_VALUES} of objects with known {_names(prop)}")
+            raise _missing(
+                prop.name, plural(part.objects, "value"), f"{FEW_VALUES} of objects with known {_names(prop)}"
+            )
     for action in network.actions.values():
         actions[action.name], found = fit_sensor(network, action, ordered, settings)
         action_parts[action.name] = found
         if action.name in template.blank_actions and found.counts is None and found.bias is None:
             wanted = f"{FEW_READINGS} on objects with known {action.sensor.property}"
-            raise _missing(action.name, f"{found.readings} readings", wanted)
+            raise _missing(action.name, plural(found.readings, "reading"), wanted)
     return Fitted(replace(network, properties=properties, actions=actions), property_parts, action_parts)
 
 

@@ -226,6 +226,7 @@ def test_no_result_is_a_failed_one(tmp_path: Path) -> None:
         (('id = "soft"', ""), "object: found none of id, column and pattern; expected one of them"),
         (('id = "soft"', "id = 'a'\ncolumn = 'b'"), "found id and column; expected one of"),
         (('id = "soft"', "pattern = '('"), "object.pattern: found no regular expression"),
+        (('id = "soft"', "pattern = '[[]x'"), "object.pattern: found '[[]x'; expected a group (?P<id>...) in it"),
         (('id = "soft"', "pattern = '.*'"), "expected a group (?P<id>...) in it"),
         (('id = "soft"', "id = ''"), "object.id: is empty"),
         (('dataset = "sponges"', ""), "object: found no 'dataset'"),

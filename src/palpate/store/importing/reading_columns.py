@@ -47,6 +47,7 @@ from __future__ import annotations
 
 import codecs
 import re
+import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
@@ -169,7 +170,10 @@ def _moment(section: Section) -> Moment:
 
 def _pattern(section: Section, group: str) -> re.Pattern[str]:
     try:
-        pattern = re.compile(section.text("pattern"))
+        with warnings.catch_warnings():
+            # what it may mean to a later Python is none of the user's
+            warnings.simplefilter("ignore", FutureWarning)
+            pattern = re.compile(section.text("pattern"))
     except re.error as error:
         raise section.error(f"found no regular expression ({error})", "pattern") from None
     if group not in pattern.groupindex:
