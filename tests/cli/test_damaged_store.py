@@ -83,7 +83,11 @@ def check(run: Any, whole: tuple[Path, dict[str, str]], tmp_path: Path) -> Calla
             assert done.code in codes, (what, command, done)
             # a list has a line for each row that is left out
             assert bool(done.err) is (done.code == 2), (what, command, done)
-            assert done.err.count("\n") == 1 or command[0] in ("list", "show") or not done.err, (what, command, done)
+            assert done.err.count("\n") == 1 or command[0] in ("list", "show", "objects") or not done.err, (
+                what,
+                command,
+                done,
+            )
             shutil.rmtree(folder / "out", ignore_errors=True)
         shutil.rmtree(folder)
 
@@ -177,3 +181,23 @@ def test_a_list_leaves_out_what_is_damaged(run: Any, whole: tuple[Path, dict[str
     assert (shown.code, "object0" in shown.out, "is not what was written" in shown.err) == (2, True, True)
     as_csv = run("store", "list", "--format", "csv", "--store", path)
     assert "is not what was written" in as_csv.refused
+
+
+@pytest.mark.parametrize("attributes", ["CAST(x'7b226180223a347d' AS TEXT)", "'3'"], ids=["no text", "no names"])
+def test_an_object_that_is_damaged_hides_no_other(
+    run: Any, whole: tuple[Path, dict[str, str]], tmp_path: Path, attributes: str
+) -> None:
+    """It is named with code 2 and left out of the objects; its recordings and what was measured of it are there."""
+    place, _ = whole
+    shutil.copytree(place.parent, tmp_path / "damaged")
+    path = tmp_path / "damaged" / place.name
+    statements(f"UPDATE things SET attributes = {attributes} WHERE name = 'object1'")(path)
+    damaged = "palpate: object made_up/object1: "
+    objects = run("store", "objects", "--json", "--store", path)
+    assert (objects.code, [one["id"] for one in json.loads(objects.out)]) == (2, ["object0", "object2"])
+    assert (objects.err.startswith(damaged), objects.err.count("\n")) == (True, 1)
+    shown = run("store", "show", "--store", path)
+    assert (shown.code, shown.err.startswith(damaged), shown.err.count("\n")) == (2, True, 1)
+    assert "5 recordings of 2 objects" in shown.out
+    table = run("store", "table", "--json", "--store", path)
+    assert (table.code, {cell["thing"] for cell in json.loads(table.out)}) == (0, {"object0", "object1", "object2"})

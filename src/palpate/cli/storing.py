@@ -44,7 +44,7 @@ def check_installed() -> None:
 
 @dataclass
 class LeftOut:
-    """Recordings that a command had to leave out, to be told when it has printed the others."""
+    """Recordings and objects that a command had to leave out, to be told when it has printed the others."""
 
     damaged: list[DamagedError] = field(default_factory=list)
 
