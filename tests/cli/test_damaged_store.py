@@ -1,5 +1,6 @@
 """Stores whose file was changed by other hands: every command ends with one sentence, and never with a traceback."""
 
+import csv
 import json
 import shutil
 import sqlite3
@@ -9,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pyarrow.parquet import read_table
 
 from palpate.store import schema
 from palpate.store.describing import change_thing, keep_image
@@ -83,7 +85,11 @@ def check(run: Any, whole: tuple[Path, dict[str, str]], tmp_path: Path) -> Calla
             assert done.code in codes, (what, command, done)
             # a list has a line for each row that is left out
             assert bool(done.err) is (done.code == 2), (what, command, done)
-            assert done.err.count("\n") == 1 or command[0] in ("list", "show") or not done.err, (what, command, done)
+            assert done.err.count("\n") == 1 or command[0] in ("list", "show", "objects") or not done.err, (
+                what,
+                command,
+                done,
+            )
             shutil.rmtree(folder / "out", ignore_errors=True)
         shutil.rmtree(folder)
 
@@ -175,5 +181,53 @@ def test_a_list_leaves_out_what_is_damaged(run: Any, whole: tuple[Path, dict[str
     assert f"palpate: recording {ids['RECORDING']}: is not what was written" in listed.err
     shown = run("store", "show", "--store", path)
     assert (shown.code, "object0" in shown.out, "is not what was written" in shown.err) == (2, True, True)
-    as_csv = run("store", "list", "--format", "csv", "--store", path)
-    assert "is not what was written" in as_csv.refused
+
+
+@pytest.mark.parametrize(
+    "damage",
+    ["document = replace(document, '45.0', '54.0')", "document = CAST(x'ff7b' AS TEXT)", "gripper = x'00'"],
+)
+def test_tables_of_results_leave_out_what_is_damaged(
+    run: Any, whole: tuple[Path, dict[str, str]], tmp_path: Path, damage: str
+) -> None:
+    """CSV and Parquet have the results of the others, and the code is 2; a whole store has them all, and it is 0."""
+    place, ids = whole
+    expected = results(run, place, tmp_path / "whole.parquet", code=0)
+    shutil.copytree(place.parent, tmp_path / "damaged")
+    path = tmp_path / "damaged" / place.name
+    statements(f"UPDATE recordings SET {damage} WHERE id = 5")(path)
+    found = results(run, path, tmp_path / "damaged.parquet", code=2, named=ids["RECORDING"])
+    assert found == [row for row in expected if row["recording"] != ids["RECORDING"]]
+    assert len(found) < len(expected)
+
+
+def results(run: Any, place: Path, file: Path, *, code: int, named: str | None = None) -> list[dict[str, Any]]:
+    """What is written as Parquet, and the same as CSV."""
+    for form, output in (("parquet", file), ("csv", file.with_suffix(".csv"))):
+        done = run("store", "list", "--format", form, "--output", output, "--store", place)
+        assert (done.code, done.out, done.err.count("\n")) == (code, "", 0 if named is None else 1)
+        assert named is None or done.err.startswith(f"palpate: recording {named}: ")
+    rows: list[dict[str, Any]] = read_table(file).to_pylist()
+    with file.with_suffix(".csv").open(encoding="utf-8", newline="") as opened:
+        assert [row["recording"] for row in csv.DictReader(opened)] == [row["recording"] for row in rows]
+    return rows
+
+
+@pytest.mark.parametrize("attributes", ["CAST(x'7b226180223a347d' AS TEXT)", "'3'"], ids=["no text", "no names"])
+def test_an_object_that_is_damaged_hides_no_other(
+    run: Any, whole: tuple[Path, dict[str, str]], tmp_path: Path, attributes: str
+) -> None:
+    """It is named with code 2 and left out of the objects; its recordings and what was measured of it are there."""
+    place, _ = whole
+    shutil.copytree(place.parent, tmp_path / "damaged")
+    path = tmp_path / "damaged" / place.name
+    statements(f"UPDATE things SET attributes = {attributes} WHERE name = 'object1'")(path)
+    damaged = "palpate: object made_up/object1: "
+    objects = run("store", "objects", "--json", "--store", path)
+    assert (objects.code, [one["id"] for one in json.loads(objects.out)]) == (2, ["object0", "object2"])
+    assert (objects.err.startswith(damaged), objects.err.count("\n")) == (True, 1)
+    shown = run("store", "show", "--store", path)
+    assert (shown.code, shown.err.startswith(damaged), shown.err.count("\n")) == (2, True, 1)
+    assert "5 recordings of 2 objects" in shown.out
+    table = run("store", "table", "--json", "--store", path)
+    assert (table.code, {cell["thing"] for cell in json.loads(table.out)}) == (0, {"object0", "object1", "object2"})

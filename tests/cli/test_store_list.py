@@ -145,7 +145,7 @@ UNKNOWN = {
     ("--owner", "ann"): "--owner: the store has no owner 'ann'",
     ("--label", "kin=mug"): "--label: the store has no property 'kin' (did you mean 'kind'?)",
     ("--label", "kind=mugg"): "--label: the store has no label of kind 'mugg' (did you mean 'mug'?)",
-    ("--known", "kind=box"): "--known: the store has no label of kind 'box'; choose from 'mug'",
+    ("--known", "kind=box"): "--known: the store has no known property 'kind'",
 }
 
 

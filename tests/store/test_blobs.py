@@ -9,7 +9,7 @@ import pytest
 from palpate.store import blobs as store_blobs
 from palpate.store import bucket, durable
 from palpate.store.blobs import Blobs, FolderBlobs
-from palpate.store.errors import DamagedError, StoreError, UnavailableError
+from palpate.store.errors import DamagedError, StoreError, UnavailableError, UnreadableError
 from tests.store.places import blobs_of, check_services
 
 DATA = b"a picture"
@@ -138,7 +138,7 @@ def test_a_file_that_is_gone_is_named(tmp_path: Path) -> None:
     ("number", "expected", "message"),
     [
         (errno.EIO, DamagedError, r"blob .*: cannot be read in .* \(Input/output error\), expected what was written"),
-        (errno.EACCES, UnavailableError, r"blob .*: cannot be read in .* \(Permission denied\), expected a folder"),
+        (errno.EACCES, UnreadableError, r"blob .*: cannot be read in .* \(Permission denied\), expected a file"),
     ],
 )
 def test_a_disk_that_fails_is_told_in_one_sentence(

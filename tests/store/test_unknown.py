@@ -12,7 +12,7 @@ MUG = ThingRef("ycb", "025_mug", common_name="mug", aliases=("beaker",))
 KNOWN = (
     *(Filter(thing=name) for name in ("025_mug", "mug", "beaker", "ycb/025_mug")),
     Filter(dataset="ycb", action="squeezing", owner="ann", gripper="two_finger", device="two_finger"),
-    Filter(property="elasticity", labels={"kind": "mug"}, known={"kind": "mug", "material": "ceramic"}),
+    Filter(property="elasticity", labels={"kind": "mug"}, known={"shape": "round", "material": "ceramic"}),
     Filter(text="nothing has this"),
 )
 UNKNOWN = {
@@ -29,6 +29,7 @@ UNKNOWN = {
 def filled(store: Store) -> Store:
     entries = (*squeeze().entries, Distribution("kind", {"mug": 0.9, "box": 0.1}))
     store.put(squeeze(1, thing=MUG, owner="ann", entries=entries))
+    store.put(squeeze(2, thing=MUG, owner="ann", entries=(Distribution("shape", {"round": 1.0}),), ground_truth=True))
     ceramic = Distribution("material", {"ceramic": 1.0})
     change_thing(store, MUG, lambda thing: thing.knowing(ceramic, "data sheet"))
     return store
@@ -62,12 +63,17 @@ def test_of_properties_and_labels_the_first_that_is_unknown_is_told(store: Store
             Filter(labels={"kind": "box"}),
             Filter(labels={"material": "ceramic"}),
             Filter(known={"material": "wood"}),
+            Filter(known={"kind": "mug"}),
+            Filter(known={"shape": "square"}),
         )
         for one in unknown_names(store, wanted)
     ]
     assert told == [
-        ("labels", "property", "kin", ("elasticity", "kind")),
+        ("labels", "property", "kin", ("elasticity", "kind", "shape")),
         ("labels", "label of kind", "box", ("mug",)),
-        ("labels", "property", "material", ("elasticity", "kind")),
-        ("known", "label of material", "wood", ("ceramic",)),
+        ("labels", "property", "material", ("elasticity", "kind", "shape")),
+        ("known", "known label of material", "wood", ("ceramic",)),
+        # measured, and so not known
+        ("known", "known property", "kind", ("material", "shape")),
+        ("known", "known label of shape", "square", ("round",)),
     ]

@@ -1,3 +1,4 @@
+import errno
 import os
 from functools import partial
 from hashlib import sha256
@@ -29,9 +30,9 @@ def recording(local: Store) -> Recording:
     return made
 
 
-def blob_path(store: Store) -> Path:
+def blob_path(store: Store, file: FileItem = PICTURE) -> Path:
     assert isinstance(store.blobs, FolderBlobs)
-    return store.blobs.folder / PICTURE.sha256[:2] / PICTURE.sha256[2:]
+    return store.blobs.folder / file.sha256[:2] / file.sha256[2:]
 
 
 def change(store: Store, statement: str) -> None:
@@ -58,6 +59,47 @@ def test_a_flipped_bit_of_a_blob_is_named_and_can_be_put_right(local: Store, rec
     assert not local.put(recording).new
     assert local.get(recording.id) == recording
     assert list(verify(local)) == []
+
+
+def test_a_blob_that_may_not_be_read_holds_up_nothing(
+    local: Store, recording: Recording, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is a fault with the recording that needs it, what is lost besides is found too, and it stays where it is."""
+    lost, closed = FileItem("cam1.png", "image/png", b"another"), blob_path(local)
+    later = squeeze(3, files=(lost,))
+    local.put(later)
+    blob_path(local, lost).unlink()
+    read = Path.read_bytes
+
+    def refuse(path: Path) -> bytes:
+        # nothing is closed to root
+        if path == closed:
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+        return read(path)
+
+    monkeypatch.setattr(Path, "read_bytes", refuse)
+    for faults in (list(verify(local)), repair(local)):
+        found = {fault.where: fault for fault in faults}
+        assert set(found) == {f"blob {PICTURE.sha256}", f"blob {lost.sha256}"}
+        fault = found[f"blob {PICTURE.sha256}"]
+        assert "Permission denied" in fault.what
+        assert f"needed by recording {recording.id}" in fault.what
+        assert (fault.remedy, fault.done) == (None, False)
+    assert closed.exists()
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="nothing is closed to root")
+@pytest.mark.parametrize("level", ["file", "folder", "all"])
+def test_what_the_system_closes_is_told(local: Store, recording: Recording, level: str) -> None:
+    """Whether the file, its folder or all of them may not be read."""
+    path = {"file": blob_path(local), "folder": blob_path(local).parent, "all": blob_path(local).parent.parent}[level]
+    before = path.stat().st_mode
+    path.chmod(0)
+    try:
+        (fault,) = verify(local)
+    finally:
+        path.chmod(before)
+    assert (fault.where, "Permission denied" in fault.what) == (f"blob {PICTURE.sha256}", True)
 
 
 def test_a_missing_blob_is_named(local: Store, recording: Recording) -> None:

@@ -5,13 +5,17 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from palpate.cli.rows import Form
 from palpate.cli.spreading import spread
 from palpate.cli.store_options import Place, Which, WideOption
+
+if TYPE_CHECKING:
+    from palpate.store.filters import Filter, Sort
+    from palpate.store.store import Store
 
 __all__ = ["curves", "devices", "list_", "table"]
 
@@ -65,12 +69,11 @@ class How:
 @spread
 def list_(which: Which, how: How, written: Written, place: Place) -> None:
     """List recordings, the last ones first; as CSV or Parquet the results, a row for each."""
-    from palpate.cli.rows import write_rows, write_text
+    from palpate.cli.rows import write_text
     from palpate.cli.store_view import page_json, page_table, tell_next
     from palpate.cli.storing import LeftOut, check_known, check_name
     from palpate.cli.terminal import is_terminal, print_whole
     from palpate.errors import PalpateError
-    from palpate.store.entries_table import entries_table
     from palpate.store.filters import SORTS, Filter, Sort
     from palpate.store.listing import list_recordings
 
@@ -80,13 +83,13 @@ def list_(which: Which, how: How, written: Written, place: Place) -> None:
         raise PalpateError("--cursor: is for pages, and CSV and Parquet have none; expected --format table or json")
     with place.opened() as store:
         wanted = which.filter(store)
+        if form.is_flat:
+            _write_results(store, wanted, sort, how.limit, form, written.output)
+            return
         left, limit = LeftOut(), how.limit or PAGE
         page = list_recordings(store, wanted, sort, limit=limit, cursor=how.cursor, damaged=left.damaged.append)
         if not (page.rows or left.damaged):
             check_known(store, wanted)
-        if form.is_flat:
-            write_rows(entries_table(store, wanted, sort, limit=how.limit), form, written.output)
-            return
     if form is Form.JSON:
         write_text(page_json(page), written.output)
     elif page.rows or left.damaged:
@@ -94,6 +97,22 @@ def list_(which: Which, how: How, written: Written, place: Place) -> None:
         tell_next(page.cursor)
     else:
         print("no recording matches" if wanted != Filter() else "no recordings yet")
+    left.tell()
+
+
+def _write_results(
+    store: Store, wanted: Filter, sort: Sort, limit: int | None, form: Form, output: Path | None
+) -> None:
+    """Write the results of recordings, and tell which are left out as they are damaged."""
+    from palpate.cli.rows import write_rows
+    from palpate.cli.storing import LeftOut, check_known
+    from palpate.store.entries_table import entries_table
+
+    left = LeftOut()
+    results = entries_table(store, wanted, sort, limit=limit, damaged=left.damaged.append)
+    if not (results.num_rows or left.damaged):
+        check_known(store, wanted)
+    write_rows(results, form, output)
     left.tell()
 
 

@@ -28,15 +28,20 @@ def object_() -> None:
 def objects(place: Place, as_json: Json = False) -> None:
     """List objects, and what is known of each."""
     from palpate.cli.object_view import things_json, things_table
+    from palpate.cli.storing import LeftOut
     from palpate.cli.terminal import print_whole
     from palpate.store.things import list_things
 
+    left = LeftOut()
     with place.opened() as store:
-        found = list_things(store)
+        found = list_things(store, left.damaged.append)
     if as_json:
         print(things_json(found))
+    elif found or left.damaged:
+        print_whole(things_table(found))
     else:
-        print_whole(things_table(found) if found else "no objects yet")
+        print("no objects yet")
+    left.tell()
 
 
 @app.command("show")

@@ -61,9 +61,9 @@ def entry_words(entry: Entry, most: int = 2) -> str:
 def overview(store: Store, damaged: Damaged, *, whole: bool = True) -> RenderableType:
     """Objects, setups, and the last recordings with their notices; ids whole, or as short as will do.
 
-    `damaged` is told of recordings that are left out.
+    `damaged` is told of recordings and objects that are left out.
     """
-    page, found = list_recordings(store, limit=SHOWN, damaged=damaged), contents(store)
+    page, found = list_recordings(store, limit=SHOWN, damaged=damaged), contents(store, damaged)
     head = f"{plural(found.recordings, 'recording')} of {plural(len(found.things), 'object')}"
     if found.episodes:
         head += f" and {plural(found.episodes, 'episode')}"

@@ -50,7 +50,7 @@ def tell_made(place: str) -> None:
 
 @dataclass
 class LeftOut:
-    """Recordings that a command had to leave out, to be told when it has printed the others."""
+    """Recordings and objects that a command had to leave out, to be told when it has printed the others."""
 
     damaged: list[DamagedError] = field(default_factory=list)
 

@@ -15,7 +15,7 @@ from typing import Protocol
 
 from palpate.store.content import file_digest
 from palpate.store.durable import make_folder, sync_folder
-from palpate.store.errors import DamagedError, StoreError, UnavailableError
+from palpate.store.errors import DamagedError, StoreError, UnavailableError, UnreadableError
 
 __all__ = ["Blobs", "FolderBlobs", "is_digest"]
 
@@ -43,6 +43,8 @@ class Blobs(Protocol):
         ------
         DamagedError
             If they are missing or others than were written.
+        UnreadableError
+            If these may not be read.
         """
 
     def all(self) -> Iterator[tuple[str, float]]:
@@ -122,15 +124,15 @@ class FolderBlobs:
             told = f"blob {digest}: cannot be read in {self.folder} ({error.strerror})"
             if error.errno in SPOILT:
                 raise DamagedError(f"{told}, expected what was written") from None
-            raise UnavailableError(f"{told}, expected a folder that can be read") from None
+            raise UnreadableError(f"{told}, expected a file that can be read") from None
         return verified(digest, data, str(self.folder))
 
     def all(self) -> Iterator[tuple[str, float]]:
         """Each digest with the time it was written [s since 1970]; files with other names are not ours."""
         for path in sorted(self.folder.glob("??/*")):
             digest = path.parent.name + path.name
-            # somebody may remove one while they are gone through
-            with suppress(FileNotFoundError):
+            # somebody may remove one while they are gone through, or have closed its folder
+            with suppress(FileNotFoundError, PermissionError):
                 if is_digest(digest):
                     yield digest, path.stat().st_mtime
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from sqlite3 import Connection as SqliteConnection
 from typing import Any
@@ -14,6 +16,7 @@ from sqlalchemy.exc import ArgumentError, DatabaseError
 
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.outages import tell_outages
+from palpate.store.read_only import read_only_uri
 
 __all__ = [
     "LATEST",
@@ -45,7 +48,8 @@ def connect(url: str, *, durable: bool = True) -> Engine:
     Parameters
     ----------
     url
-        ``sqlite:///path`` or ``postgresql+psycopg://...``, or ``postgresql://...`` for the same.
+        ``sqlite:///path`` or ``postgresql+psycopg://...``, or ``postgresql://...`` for the same. An SQLite file that
+        cannot be written is read.
     durable
         Whether what was committed survives a loss of power; without, SQLite may lose the last commits then, and is
         faster. A killed program loses nothing in either case.
@@ -84,7 +88,13 @@ def _postgresql(address: URL) -> Engine:
 
 
 def _sqlite(address: URL, *, durable: bool) -> Engine:
-    engine = create_engine(address, connect_args={"timeout": WAIT_S})
+    path = address.database
+    uri = None if path in (None, "", ":memory:") else read_only_uri(Path(path))
+    if uri is None:
+        engine = create_engine(address, connect_args={"timeout": WAIT_S})
+    else:
+        read = partial(sqlite3.connect, uri, uri=True, timeout=WAIT_S, check_same_thread=False)
+        engine = create_engine(address, creator=read)
     tell_outages(engine)
     synchronous = "FULL" if durable else "NORMAL"
 
@@ -95,7 +105,7 @@ def _sqlite(address: URL, *, durable: bool) -> Engine:
         connection.execute(f"PRAGMA page_size = {PAGE_BYTES}")
         try:
             # reads the schema; of a damaged one SQLite tells a part, which need not be text
-            connection.execute("PRAGMA journal_mode = WAL")
+            connection.execute("PRAGMA journal_mode = WAL" if uri is None else "PRAGMA schema_version")
         except UnicodeDecodeError:
             told = f"store {address!r}: the schema is no text"
             raise DamagedError(f"{told}; expected the SQLite file that was written") from None

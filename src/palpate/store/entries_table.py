@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 from uuid import UUID
 
-from sqlalchemy import select
+from sqlalchemy import Connection, Select, select
 
 from palpate.store import schema
 from palpate.store.archive_rows import entries_schema
 from palpate.store.content import to_json
 from palpate.store.decoding import entry_from, moment_from
+from palpate.store.errors import DamagedError, IncompleteError
+from palpate.store.fetching import read_rows
 from palpate.store.filters import Filter, Sort
-from palpate.store.legible import reading
-from palpate.store.listing import in_order, matching
+from palpate.store.legible import legible, reading
+from palpate.store.listing import Damaged, in_order, matching
 from palpate.store.rows import counted, entry_columns
-from palpate.store.seals import sealed_document
+from palpate.store.seals import recording_name, sealed_document
 from palpate.store.store import Store
 from palpate.store.units import deciding_units
 
@@ -26,10 +28,16 @@ if TYPE_CHECKING:
 __all__ = ["entries_table"]
 
 AT_ONCE = 2000
+Row = Mapping[Any, Any]
 
 
 def entries_table(
-    store: Store, wanted: Filter | None = None, sort: Sort | None = None, *, limit: int | None = None
+    store: Store,
+    wanted: Filter | None = None,
+    sort: Sort | None = None,
+    *,
+    limit: int | None = None,
+    damaged: Damaged | None = None,
 ) -> pyarrow.Table:
     """The results of the recordings that match, a row for each.
 
@@ -46,6 +54,9 @@ def entries_table(
         Which recordings, and in which order; all, the last recorded first, unless given.
     limit
         Of how many recordings at most.
+    damaged
+        Is told of each recording that is not what was written, and the table has none of it; unless given, the first
+        one is raised.
 
     Raises
     ------
@@ -56,29 +67,55 @@ def entries_table(
 
     columns = entries_schema()
     with reading(store.engine) as connection:
-        units = deciding_units(connection)
-        found = connection.execution_options(yield_per=AT_ONCE).execute(_asked(wanted or Filter(), sort, limit))
-        batches = [
-            pyarrow.RecordBatch.from_pylist([line for row in part for line in _lines(row, units)], schema=columns)
-            for part in found.mappings().partitions()
-        ]
+        units, batches = deciding_units(connection), []
+        ids = connection.scalars(_ids_asked(wanted or Filter(), sort or Sort(), limit)).all()
+        for start in range(0, len(ids), AT_ONCE):
+            rows = _rows(connection, ids[start : start + AT_ONCE])
+            lines = [line for row in rows for line in _whole(row, units, damaged)]
+            batches.append(pyarrow.RecordBatch.from_pylist(lines, schema=columns))
     return pyarrow.Table.from_batches(batches, schema=columns)
 
 
-def _asked(wanted: Filter, sort: Sort | None, limit: int | None) -> Any:
-    sort, recordings, things = sort or Sort(), schema.recordings, schema.things
+def _ids_asked(wanted: Filter, sort: Sort, limit: int | None) -> Select[int]:
+    recordings = schema.recordings.c
     those = matching(wanted, sort, None, limit).subquery()
-    names = ("uuid", "digest", "gripper", "document", "seal")
-    asked = (
-        select(*(recordings.c[name] for name in names), things.c.dataset, things.c.name)
-        .join(those, those.c.id == recordings.c.id)
-        .outerjoin(things, things.c.id == recordings.c.thing_id)
-    )
-    return in_order(asked, recordings.c[sort.column], recordings.c.id, sort, None)
+    asked = select(recordings.id).join(those, those.c.id == recordings.id)
+    return in_order(asked, recordings[sort.column], recordings.id, sort, None)
 
 
-def _lines(row: Mapping[Any, Any], units: Mapping[str, str]) -> Iterator[dict[str, Any]]:
-    plain = sealed_document(row)
+def _rows(connection: Connection, ids: Sequence[int]) -> list[Row | DamagedError]:
+    """The rows of these numbers in order, or what is wrong with a cell of one."""
+    recordings, things = schema.recordings, schema.things
+    names = ("id", "uuid", "digest", "gripper", "document", "seal")
+    asked = select(*(recordings.c[name] for name in names), things.c.dataset, things.c.name)
+    # one whose object is missing is told, and not left out
+    asked = asked.outerjoin(things, things.c.id == recordings.c.thing_id)
+    try:
+        found = {row["id"]: row for row in connection.execute(asked.where(recordings.c.id.in_(ids))).mappings()}
+        return [found[row] for row in ids]
+    except IncompleteError:
+        raise
+    except DamagedError:
+        # one of them: look at each alone, to name it
+        return list(read_rows(connection, asked, ids))
+
+
+def _whole(row: Row | DamagedError, units: Mapping[str, str], damaged: Damaged | None) -> Sequence[dict[str, Any]]:
+    """The results of a row that is what was written; what is not is told, or raised."""
+    try:
+        if isinstance(row, DamagedError):
+            raise row
+        plain = sealed_document(row)
+        with legible(recording_name(row["uuid"])):
+            return list(_lines(row, plain, units))
+    except DamagedError as error:
+        if damaged is None:
+            raise
+        damaged(error)
+        return []
+
+
+def _lines(row: Row, plain: Mapping[str, Any], units: Mapping[str, str]) -> Iterator[dict[str, Any]]:
     shared = {
         "recording": str(UUID(bytes=row["uuid"])),
         "action": plain["action"],

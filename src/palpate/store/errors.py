@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from palpate.errors import PalpateError
 
-__all__ = ["DamagedError", "IncompleteError", "StoreError", "UnavailableError"]
+__all__ = ["DamagedError", "IncompleteError", "StoreError", "UnavailableError", "UnreadableError"]
 
 
 class StoreError(PalpateError, ValueError):
@@ -17,6 +17,10 @@ class DamagedError(StoreError):
 
 class UnavailableError(StoreError):
     """A database that cannot be used now, as one that is locked, full or away; what was asked was not done."""
+
+
+class UnreadableError(UnavailableError):
+    """One blob that may not be read, though others may be; it is not known to be damaged."""
 
 
 class IncompleteError(DamagedError, UnavailableError):

@@ -59,7 +59,10 @@ def objects_by_properties(store: Store) -> list[Cell]:
     with reading(store.engine) as connection:
         groups = connection.execute(_groups()).all()
         units = deciding_units(connection)
-        things = {row.id: row for row in connection.execute(select(schema.things))}
+        columns = schema.things.c
+        # nothing else is read, so that a description that is damaged hides no measurement
+        asked = select(columns.id, columns.dataset, columns.name, columns.merged_into)
+        things = {row.id: row for row in connection.execute(asked)}
         measured: dict[tuple[int, str], list[Group]] = defaultdict(list)
         for thing, name, count, mean, squares in groups:
             measured[things[thing].merged_into or thing, name].append(Group(count, mean, squares))

@@ -14,10 +14,12 @@ from palpate.errors import choices, near
 from palpate.store import schema
 from palpate.store.checks import check_entry
 from palpate.store.decoding import entry_from
+from palpate.store.each_thing import each_thing
 from palpate.store.entries import Entry
-from palpate.store.errors import DamagedError, StoreError
+from palpate.store.errors import DamagedError, IncompleteError, StoreError
 from palpate.store.filters import called
 from palpate.store.legible import legible, reading
+from palpate.store.listing import Damaged
 from palpate.store.records import ThingRef
 from palpate.store.registry import thing_of
 from palpate.store.store import Store
@@ -96,10 +98,37 @@ class Thing:
         return replace(self, images=(*(one for one in self.images if one.name != image.name), image))
 
 
-def list_things(store: Store) -> tuple[Thing, ...]:
-    """All objects, by dataset and name."""
+def list_things(store: Store, damaged: Damaged | None = None) -> tuple[Thing, ...]:
+    """All objects, by dataset and name.
+
+    Parameters
+    ----------
+    store
+        Where to look.
+    damaged
+        Is told of each object that cannot be read, and the list has none of it; unless given, the first one is raised.
+
+    Raises
+    ------
+    DamagedError
+        If an object cannot be read.
+    """
     with reading(store.engine) as connection:
-        return tuple(sorted(things_where(connection, literal(True)), key=lambda thing: thing.path))
+        return tuple(sorted(_all_things(connection, damaged), key=lambda thing: thing.path))
+
+
+def _all_things(connection: Connection, damaged: Damaged | None) -> list[Thing]:
+    column = schema.things.c.id
+    try:
+        return list(things_where(connection, literal(True)))
+    except IncompleteError:
+        raise
+    except DamagedError:
+        if damaged is None:
+            raise
+    rows = connection.scalars(select(column).order_by(column)).all()
+    found = each_thing(connection, rows, lambda row: list(things_where(connection, column == row)), damaged)
+    return [thing for _, things in found for thing in things]
 
 
 def find_thing(store: Store, name: str) -> Thing:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from sqlalchemy import Column, Connection, Select, select
@@ -68,15 +69,29 @@ def unknown_names(store: Store, wanted: Filter) -> Iterator[Unknown]:
 
 
 def _unknown_results(connection: Connection, wanted: Filter) -> Iterator[Unknown]:
-    """Properties and labels: of results, and of what is known of objects."""
-    results, known = schema.entries.c, schema.thing_properties.c
+    """Properties and labels: of results, or of what is known of objects, which what was only measured is not."""
+    results, said, recordings = schema.entries.c, schema.thing_properties.c, schema.recordings.c
     if wanted.property is not None:
         yield from _missing("property", wanted.property, "property", _names(connection, results.property))
-    for field, tables in (("labels", (results,)), ("known", (results, known))):
+    measured = select(results.property, results.label)
+    # as `Filter.known` finds them
+    truths = measured.join(schema.recordings, recordings.id == results.recording_id).where(recordings.ground_truth)
+    told = select(said.property, said.label)
+    for field, kind, asked in (("labels", "", (measured,)), ("known", "known ", (truths, told))):
         for name, label in getattr(wanted, field).items():
-            unknown = [*_missing(field, name, "property", _names(connection, *(table.property for table in tables)))]
-            labels = (select(table.label).where(table.property == name) for table in tables)
-            yield from unknown or _missing(field, label, f"label of {name}", _texts(connection, *labels))
+            there = _labels(connection, asked)
+            unknown = [*_missing(field, name, f"{kind}property", set(there))]
+            yield from unknown or _missing(field, label, f"{kind}label of {name}", there[name])
+
+
+def _labels(connection: Connection, asked: Sequence[Select[str, str]]) -> Mapping[str, set[str]]:
+    """Each property in the columns with its labels."""
+    found = defaultdict[str, set[str]](set)
+    for one in asked:
+        for name, label in connection.execute(one.distinct()):
+            if name:
+                found[name].update({label} - {None, ""})
+    return found
 
 
 def _things_called(connection: Connection) -> set[str]:
@@ -95,10 +110,6 @@ def _missing(field: str, name: str, what: str, known: set[str]) -> Iterator[Unkn
         yield Unknown(field, name, what, tuple(sorted(known)))
 
 
-def _names(connection: Connection, *columns: Column[str]) -> set[str]:
-    return _texts(connection, *(select(column) for column in columns))
-
-
-def _texts(connection: Connection, *asked: Select[str]) -> set[str]:
-    """What the columns hold, each once."""
-    return {text for one in asked for text in connection.scalars(one.distinct()) if text}
+def _names(connection: Connection, column: Column[str]) -> set[str]:
+    """What a column holds, each once."""
+    return {text for text in connection.scalars(select(column).distinct()) if text}

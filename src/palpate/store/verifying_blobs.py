@@ -11,7 +11,7 @@ from sqlalchemy import Connection, select, union
 from palpate.store import schema
 from palpate.store.audit import CHANGED
 from palpate.store.blobs import Blobs, is_digest
-from palpate.store.errors import DamagedError
+from palpate.store.errors import DamagedError, UnreadableError
 from palpate.store.faults import Fault, Remedy
 from palpate.store.legible import legible
 from palpate.store.seals import recording_name
@@ -22,21 +22,23 @@ SHOWN = 3
 
 
 def blob_faults(connection: Connection, blobs: Blobs, lacking: set[int]) -> Iterator[Fault]:
-    """Blobs that something refers to and that are missing or damaged, with what that is.
+    """Blobs that something refers to and that are missing, damaged or not to be read, with what that is.
 
     `lacking` gets the row numbers of the recordings that need one of them.
     """
-    there, lost = {digest for digest, _ in blobs.all()}, dict[str, str]()
+    there, closed, lost = {digest for digest, _ in blobs.all()}, set[str](), dict[str, str]()
     for digest in sorted(named_blobs(connection)):
         try:
             blobs.get(digest)
-        except DamagedError as error:
+        except (DamagedError, UnreadableError) as error:
+            if isinstance(error, UnreadableError):
+                closed.add(digest)
             lost[digest] = str(error).removeprefix(f"blob {digest}: ")
     rows = _rows_with(connection, lost)
     lacking.update(*rows.values())
     for digest, what in lost.items():
         told = f"{what}; needed by {_needed_by(connection, digest, rows[digest])}"
-        yield Fault(f"blob {digest}", told, Remedy.SET_ASIDE if digest in there else None)
+        yield Fault(f"blob {digest}", told, Remedy.SET_ASIDE if digest in there - closed else None)
 
 
 def stray_faults(connection: Connection, blobs: Blobs, written_before: float) -> Iterator[Fault]:
