@@ -188,6 +188,18 @@ def test_a_force_that_only_drifts_is_no_contact() -> None:
             assert isinstance(squeeze(gap, force, Jaws(AREA_MM2, width_mm)).outcome, Failed)
 
 
+def test_a_soft_object_is_felt_where_its_width_is_known() -> None:
+    """A sponge of a newton in all bends its line so little that noise hides it, and is measured nonetheless."""
+    gap, rng, sds = np.linspace(62, 40, 80), np.random.default_rng(33), []
+    for _ in range(60):
+        force = 0.14 * np.maximum(0, WIDTH_MM - gap) + rng.normal(0, 0.15, 80)
+        found = squeeze(gap, force, Jaws(AREA_MM2, WIDTH_MM))
+        if isinstance(found.outcome, Reading):
+            sds.append((found.modulus_kpa - 0.14 * 1e3 * WIDTH_MM / AREA_MM2) / found.sd_kpa)
+    assert len(sds) >= 57
+    assert 0.7 < np.std(sds) < 1.3
+
+
 @pytest.mark.parametrize("most_n", [4.0, 5.0, 6.0, 7.0])
 @pytest.mark.parametrize("noise_n", [0.0, 0.05])
 def test_a_force_that_stops_growing_fails(most_n: float, noise_n: float) -> None:

@@ -21,8 +21,8 @@ __all__ = ["ForceCalibration", "Jaws", "Squeeze", "squeeze"]
 LEAST_SAMPLES = 8
 SURE_SDS = 5.0
 """A slope of so many of its SDs is contact."""
-BENT_SDS = 3.0
-"""Where a line does as well as one with a beginning, to so many SDs, the beginning is not seen."""
+BENT_SDS, BENT_AT_WIDTH_SDS = 3.0, 2.0
+"""Where a line does as well as one with a beginning, to so many SDs, the beginning is not seen; a known width helps."""
 LEAST_EXPLAINED = 0.8
 """Share of the force's variance in contact that the line must explain."""
 ONSET = 0.1
@@ -225,7 +225,8 @@ def _check_contact(hinge: Hinge, gap: NDArray[np.float64], force: NDArray[np.flo
         raise SignalError("no contact: fewer than three samples are closer than the contact point")
     line = np.polynomial.Polynomial.fit(gap, force, 1)
     left, of_line = (float(np.sum((force - fitted) ** 2)) for fitted in (hinge.at(gap), line(gap)))
-    if of_line - left < BENT_SDS**2 * left / max(force.size - 3, 1):
+    sure = BENT_SDS if jaws.width_mm is None else BENT_AT_WIDTH_SDS
+    if of_line - left < sure**2 * left / max(force.size - 3, 1):
         raise SignalError("no contact: the force grows all along, so that where it begins is not seen")
     _check_width(hinge.contact, jaws, min(float(np.sqrt(hinge.covariance[0, 0])), OFF_MM / SURE_SDS))
 
