@@ -130,6 +130,14 @@ def test_a_knock_that_is_too_loud_is_cut_off() -> None:
     assert impact(low, RATE_HZ).onset_s == pytest.approx(0.1, abs=0.02)
 
 
+def test_a_knock_that_is_cut_off_only_at_its_beginning_is_refused() -> None:
+    """A short and loud knock soon falls below the limit: little of the recording is cut off, much of its first part."""
+    loud = knock(0.2, np.random.default_rng(5), partials_hz=(1200.0,))
+    most = 0.5 * np.abs(loud).max()
+    with pytest.raises(SignalError, match="cut off"):
+        impact(np.append(np.clip(loud, -most, most), np.zeros(RATE_HZ)), RATE_HZ)
+
+
 def mel_edges(bands: int) -> np.ndarray:
     low, high = to_mel([50.0, RATE_HZ / 2])
     return from_mel(np.linspace(low, high, bands + 2))

@@ -159,3 +159,62 @@ def test_current_stands_for_force() -> None:
     found = squeeze(gap, ForceCalibration(80.0, 0.05).force_n(current), Jaws(AREA_MM2, WIDTH_MM))
     assert isinstance(found.outcome, Reading)
     assert found.modulus_kpa == pytest.approx(30.0, rel=0.02)
+
+
+def test_fingers_that_meet_are_no_object() -> None:
+    """A missed grasp closes on the other finger's pad: neither stiff where the width is known, nor soft where not."""
+    gap = 85 - np.round(np.linspace(0, 85, 230) / STEP_MM) * STEP_MM
+    force = 30 * np.maximum(0, 2 - np.linspace(85, 0, 230)) + np.random.default_rng(30).normal(0, 0.15, 230)
+    for width_mm in (WIDTH_MM, None):
+        outcome = squeeze(gap, force, Jaws(AREA_MM2, width_mm)).outcome
+        assert isinstance(outcome, Failed)
+        assert "where the jaws meet" in outcome.reason
+
+
+@pytest.mark.parametrize("scale", [1e-3, 0.1, 10.0])
+def test_a_gap_in_other_units_is_no_contact(scale: float) -> None:
+    """Jaws that touch at a gap that is not the known width touch something else, or tell the gap in other units."""
+    gap, force = closing(30.0, np.random.default_rng(31))
+    assert isinstance(squeeze(gap, force, Jaws(AREA_MM2, WIDTH_MM)).outcome, Reading)
+    assert isinstance(squeeze(scale * gap, force, Jaws(AREA_MM2, WIDTH_MM)).outcome, Failed)
+
+
+def test_a_force_that_only_drifts_is_no_contact() -> None:
+    """A zero that wanders evenly while the jaws close in the air grows like a force, from the first sample on."""
+    gap = np.linspace(75, 45, 150)
+    for seed in range(20):
+        force = 0.01 * np.arange(150) + np.random.default_rng(seed).normal(0, 0.15, 150)
+        for width_mm in (WIDTH_MM, None):
+            assert isinstance(squeeze(gap, force, Jaws(AREA_MM2, width_mm)).outcome, Failed)
+
+
+def test_a_soft_object_is_felt_where_its_width_is_known() -> None:
+    """A sponge of a newton in all bends its line so little that noise hides it, and is measured nonetheless."""
+    gap, rng, sds = np.linspace(62, 40, 80), np.random.default_rng(33), []
+    for _ in range(60):
+        force = 0.14 * np.maximum(0, WIDTH_MM - gap) + rng.normal(0, 0.15, 80)
+        found = squeeze(gap, force, Jaws(AREA_MM2, WIDTH_MM))
+        if isinstance(found.outcome, Reading):
+            sds.append((found.modulus_kpa - 0.14 * 1e3 * WIDTH_MM / AREA_MM2) / found.sd_kpa)
+    assert len(sds) >= 57
+    assert 0.7 < np.std(sds) < 1.3
+
+
+@pytest.mark.parametrize("most_n", [4.0, 5.0, 6.0, 7.0])
+@pytest.mark.parametrize("noise_n", [0.0, 0.05])
+def test_a_force_that_stops_growing_fails(most_n: float, noise_n: float) -> None:
+    """A sensor at its end would make the object softer than it is, be there noise on top or not."""
+    gap, rng = np.linspace(75, 45, 150), np.random.default_rng(32)
+    force = np.minimum(0.9 * np.maximum(0, WIDTH_MM - gap) + rng.normal(0, 0.15 * (noise_n == 0), 150), most_n)
+    read = 85 - np.round((85 - gap) / STEP_MM) * STEP_MM
+    assert isinstance(squeeze(read, force + rng.normal(0, noise_n, 150), Jaws(AREA_MM2, WIDTH_MM)).outcome, Failed)
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [("gap_sd_mm", -1.0), ("relative_sd", float("nan")), ("width_mm", float("inf")), ("force_sd_n", 0.0)],
+)
+def test_jaws_that_cannot_be_are_errors(name: str, wrong: float) -> None:
+    """An SD or a width that is no such thing is said at once, and makes no number."""
+    with pytest.raises(EstimatorError, match=name):
+        Jaws(AREA_MM2, **{name: wrong})

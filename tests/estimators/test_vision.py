@@ -147,3 +147,28 @@ def test_a_toml_file_says_what_the_model_does_not(tmp_path: Path, model: Model) 
         path.write_text(text)
         with pytest.raises(EstimatorError, match=told):
             read_model(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [
+        ("labels", '"red"'),
+        ("labels", "[1, 2, 3]"),
+        ("mean", "0.5"),
+        ("mean", "[0.5, 0.5]"),
+        ("sd", "[0.2, 0.0, 0.2]"),
+        ("sd", '"a"'),
+        ("temperature", "0.0"),
+        ("temperature", '"warm"'),
+        ("label_map", "3"),
+        ("training_prior", "{}"),
+        ("training_prior", "{red = -1.0}"),
+    ],
+)
+def test_a_toml_file_of_other_kinds_is_an_error(tmp_path: Path, model: Model, name: str, wrong: str) -> None:
+    """What cannot be is said when the file is read, and not by the first image or by the belief."""
+    right = {"path": f'"{model.path.name}"', "labels": '["red", "green", "blue"]'}
+    lines = [f"{key} = {value}" for key, value in {**right, name: wrong}.items()]
+    (tmp_path / "model.toml").write_text("\n".join(lines))
+    with pytest.raises(EstimatorError, match=f"{name} = "):
+        read_model(tmp_path / "model.toml")

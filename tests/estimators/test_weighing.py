@@ -76,6 +76,34 @@ def test_correlated_noise_makes_the_sd_larger() -> None:
     assert 0.85 < np.std(scores) < 1.2
 
 
+def test_few_samples_of_slow_noise_are_covered() -> None:
+    """Of half a second of noise that lasts a fifth of one, correlation and scatter come out too small: not the SD."""
+    rng, scores = np.random.default_rng(14), []
+    for _ in range(400):
+        noise = rng.normal(0, 0.0159, (2, 50))
+        for step in range(1, 50):
+            noise[:, step] = 0.9 * noise[:, step - 1] + np.sqrt(1 - 0.9**2) * noise[:, step]
+        found = weigh([Hold(noise[0] + 0.25 * GRAVITY * 0.4, noise[1], 0.4)], grasp_sd_m=0.0)
+        if isinstance(found.outcome, Reading):
+            scores.append((found.mass_g - 250) / found.sd_g)
+    assert len(scores) > 350
+    assert 0.85 < np.std(scores) < 1.35
+
+
+@pytest.mark.parametrize(
+    ("second_nm", "lever_m", "per_offset", "told"),
+    [(5.0, 0.45, 1.0, "no mass explains"), (5.0, 0.25, 0.5, "grasp is"), (-0.55, 0.25, 1.0, "grasp is")],
+)
+def test_joints_that_do_not_agree_fail(second_nm: float, lever_m: float, per_offset: float, told: str) -> None:
+    """A joint with a wrong unit, lever or sign beside a right one: no mean of the two, no grasp half a metre off."""
+    first, second, empty, other = np.random.default_rng(15).normal(0, 0.0159, (4, 50))
+    outcome = weigh(
+        [Hold(first + 0.5, empty, 0.45), Hold(second + second_nm, other, lever_m, lever_per_offset=per_offset)]
+    ).outcome
+    assert isinstance(outcome, Failed)
+    assert told in outcome.reason
+
+
 def test_poses_tell_the_offset_of_the_grasp() -> None:
     """Two poses whose levers change differently with the grasp leave less unknown than one, and are right about it."""
     rng = np.random.default_rng(5)
@@ -165,3 +193,16 @@ def test_wrong_calls_are_errors() -> None:
     ):
         with pytest.raises(EstimatorError, match=told):
             weigh(holds, drifts=drifts)
+
+
+@pytest.mark.parametrize("wrong", [-1.0, float("nan"), float("inf")])
+def test_numbers_that_cannot_be_are_errors(wrong: float) -> None:
+    """An SD of the grasp below zero, or one that is no number, would else be taken for none: the SD too small."""
+    good = hold(0.2, np.random.default_rng(0))
+    with pytest.raises(EstimatorError, match="grasp_sd_m"):
+        weigh([good], grasp_sd_m=wrong)
+    with pytest.raises(EstimatorError, match="resolution_nm"):
+        weigh([good], resolution_nm=wrong)
+    if not np.isfinite(wrong):
+        with pytest.raises(EstimatorError, match="lever_per_offset"):
+            weigh([replace(good, lever_per_offset=wrong)])

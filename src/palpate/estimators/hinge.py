@@ -102,7 +102,7 @@ def fit_hinge(x: NDArray[np.float64], y: NDArray[np.float64], *, gap_sd: float, 
     contact, slope, idle = found.x * scale
     normal = found.jac.T @ found.jac
     # where the scatter is larger than the errors that were stated, it counts; a force that wanders is no contact
-    excess = max(1.0, 2 * found.cost / max(x.size - 3, 1)) * correlation_factor(found.fun)
+    excess = max(1.0, 2 * found.cost / max(x.size - 3, 1) * correlation_factor(found.fun, fitted=2))
     covariance = np.linalg.pinv(normal) * np.outer(scale, scale) * excess
     return Hinge(float(contact), float(slope), float(idle), covariance, sd)
 

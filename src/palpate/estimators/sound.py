@@ -84,7 +84,8 @@ def impact(recording: ArrayLike, rate_hz: float) -> Impact:
     if np.ptp(found) == 0:
         raise SignalError(f"recording: all {found.size} samples are {found[0]:g}: silence")
     check_clipping("recording", found)
-    found = found - found.mean()
+    middle = float(found.mean())
+    found = found - middle
     frame = int(FRAME_S * rate_hz)
     heard = _audible(found, rate_hz)
     power = np.mean(heard[: heard.size // frame * frame].reshape(-1, frame) ** 2, axis=1)
@@ -101,6 +102,8 @@ def impact(recording: ArrayLike, rate_hz: float) -> Impact:
         raise SignalError(
             f"recording: it ends {(found.size - start) / rate_hz:.3f} s after the knock, {LEAST_S} s are needed"
         )
+    # a knock is cut off at its beginning alone, which is little of the recording
+    check_clipping("recording", found[start : start + int(LEAST_S * rate_hz)] + middle)
     if first > 2 and power[loudest] < ONSET_TIMES * np.quantile(power[:first], 0.9):
         raise SignalError("recording: what comes before the loudest is nearly as loud: noise, and no knock")
     if (loudest - first) * FRAME_S > SWELL_S:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from palpate.estimators.hinge import Hinge, fit_hinge, scatter
-from palpate.estimators.signals import EstimatorError, SignalError, samples, together
+from palpate.estimators.signals import LEAST_CLIPPED, EstimatorError, SignalError, check_clipping, samples, together
 from palpate.outcomes import Above, Failed, Reading
 
 __all__ = ["ForceCalibration", "Jaws", "Squeeze", "squeeze"]
@@ -21,12 +21,20 @@ __all__ = ["ForceCalibration", "Jaws", "Squeeze", "squeeze"]
 LEAST_SAMPLES = 8
 SURE_SDS = 5.0
 """A slope of so many of its SDs is contact."""
+BENT_SDS, BENT_AT_WIDTH_SDS = 3.0, 2.0
+"""Where a line does as well as one with a beginning, to so many SDs, the beginning is not seen; a known width helps."""
 LEAST_EXPLAINED = 0.8
 """Share of the force's variance in contact that the line must explain."""
 ONSET = 0.1
 """Share of the greatest force at which the jaws touch for certain."""
 DROP = 0.25
 """The force falls by this share of what it had grown by where the object slips."""
+OFF_SHARE, OFF_MM = 0.2, 4.0
+"""Jaws that first touch further from the known width than this share of it, or so many mm, touch something else."""
+LEAST_WIDTH_MM = 3.0
+"""What is thinner than this is the other jaw."""
+FLAT, LAST, LEAST_LAST = 0.5, 3, 4
+"""The force has stopped growing where it grows by less than this share of its slope in the last third of the way."""
 SLIP_SAMPLES, SLIP_SDS = 5, 6.0
 """A slip is a fall between so many samples and as many after them, by so many SDs of their means' difference."""
 
@@ -77,11 +85,13 @@ class Jaws:
     relative_sd: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("area_mm2", "limit_kpa"):
-            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
-                raise EstimatorError(f"{name}: found {getattr(self, name)}, expected a number above zero")
-        if self.width_mm is not None and not self.width_mm > 0:
-            raise EstimatorError(f"width_mm: found {self.width_mm}, expected a length above zero")
+        for name in ("area_mm2", "limit_kpa", "width_mm", "force_sd_n"):
+            value = getattr(self, name)
+            if value is not None and not 0 < value < np.inf:
+                raise EstimatorError(f"{name}: found {value}, expected a number above zero")
+        for name in ("gap_sd_mm", "relative_sd"):
+            if not 0 <= getattr(self, name) < np.inf:
+                raise EstimatorError(f"{name}: found {getattr(self, name)}, expected a number of zero or more")
 
 
 @dataclass(frozen=True)
@@ -146,14 +156,16 @@ def _squeezed(gap: NDArray[np.float64], force: NDArray[np.float64], jaws: Jaws) 
         raise SignalError(f"gap_mm: all {gap.size} samples are {gap[0]:g}: the jaws did not move")
     gap, force = _closing(gap, force)
     _check_slip(gap, force)
+    _check_end(gap, force, jaws)
     if _least_modulus_kpa(gap, force, jaws) > jaws.limit_kpa:
         return Squeeze(Above(jaws.limit_kpa, unit="kPa"))
     hinge = fit_hinge(gap, force, gap_sd=jaws.gap_sd_mm, force_sd=jaws.force_sd_n)
-    _check_contact(hinge, gap, force)
+    _check_contact(hinge, gap, force, jaws)
     explained = hinge.explained(gap, force)
     if explained < LEAST_EXPLAINED:
         told = f"a line explains {explained:.0%} of the force in contact, expected {LEAST_EXPLAINED:.0%} at least"
         return Squeeze(Failed(f"poor fit: {told}"), hinge=hinge, explained=explained)
+    _check_growth(hinge, gap, force, jaws)
     width = hinge.contact if jaws.width_mm is None else jaws.width_mm
     # N/mm2 is MPa
     modulus = 1e3 * hinge.slope * width / jaws.area_mm2
@@ -187,14 +199,59 @@ def _least_modulus_kpa(gap: NDArray[np.float64], force: NDArray[np.float64], jaw
     first = int(np.argmax(force - idle >= ONSET * height))
     closed = float(gap[first] - gap.min()) + 2 * SURE_SDS * jaws.gap_sd_mm
     width = jaws.width_mm if jaws.width_mm is not None else float(gap.min())
-    return 1e3 * (1 - ONSET) * height / max(closed, 1e-9) * width / jaws.area_mm2
+    least = 1e3 * (1 - ONSET) * height / max(closed, 1e-9) * width / jaws.area_mm2
+    if least > jaws.limit_kpa:
+        _check_width(float(gap[first]), jaws)
+    return least
 
 
-def _check_contact(hinge: Hinge, gap: NDArray[np.float64], force: NDArray[np.float64]) -> None:
+def _check_width(contact_mm: float, jaws: Jaws, sd_mm: float = 0.0) -> None:
+    """Refuse a contact that is not with the object: a miss, a gap in other units, a force that wanders."""
+    if contact_mm < LEAST_WIDTH_MM:
+        raise SignalError(f"no contact: the force begins at a gap of {contact_mm:.3g} mm, where the jaws meet")
+    if jaws.width_mm is None:
+        return
+    if abs(contact_mm - jaws.width_mm) > max(OFF_SHARE * jaws.width_mm, OFF_MM) + SURE_SDS * sd_mm:
+        raise SignalError(
+            f"no contact with the object: the force begins at a gap of {contact_mm:.3g} mm, and it is "
+            f"{jaws.width_mm:g} mm wide"
+        )
+
+
+def _check_contact(hinge: Hinge, gap: NDArray[np.float64], force: NDArray[np.float64], jaws: Jaws) -> None:
     if hinge.slope < SURE_SDS * hinge.slope_sd or np.ptp(force) < SURE_SDS * hinge.noise_sd:
         raise SignalError("no contact: the force does not grow as the gap closes")
     if np.count_nonzero(gap < hinge.contact) < 3:
         raise SignalError("no contact: fewer than three samples are closer than the contact point")
+    line = np.polynomial.Polynomial.fit(gap, force, 1)
+    left, of_line = (float(np.sum((force - fitted) ** 2)) for fitted in (hinge.at(gap), line(gap)))
+    sure = BENT_SDS if jaws.width_mm is None else BENT_AT_WIDTH_SDS
+    if of_line - left < sure**2 * left / max(force.size - 3, 1):
+        raise SignalError("no contact: the force grows all along, so that where it begins is not seen")
+    _check_width(hinge.contact, jaws, min(float(np.sqrt(hinge.covariance[0, 0])), OFF_MM / SURE_SDS))
+
+
+def _check_end(gap: NDArray[np.float64], force: NDArray[np.float64], jaws: Jaws) -> None:
+    """Refuse a force that is cut off while the jaws close; where they rest it may well stay the same."""
+    top = gap[force == force.max()]
+    if top.size >= LEAST_CLIPPED and np.ptp(top) > 2 * SURE_SDS * jaws.gap_sd_mm:
+        check_clipping("force_n", force)
+
+
+def _check_growth(hinge: Hinge, gap: NDArray[np.float64], force: NDArray[np.float64], jaws: Jaws) -> None:
+    """Refuse a force that stops growing while the jaws close: a sensor at its end, or an object that gave way."""
+    last = gap < hinge.contact - (1 - 1 / LAST) * (hinge.contact - gap.min())
+    way = gap[last] - gap[last].mean()
+    if way.size < LEAST_LAST or not way.any():
+        return
+    power = float(way @ way)
+    slope = -float(way @ force[last]) / power
+    sd = float(np.hypot(hinge.noise_sd, hinge.slope * jaws.gap_sd_mm)) / power**0.5
+    if slope + SURE_SDS * sd < FLAT * hinge.slope:
+        raise SignalError(
+            f"poor fit: the force stops growing at {force[last].mean():.3g} N while the jaws close: the sensor is at "
+            "its end, or the object gave way"
+        )
 
 
 def _check_slip(gap: NDArray[np.float64], force: NDArray[np.float64]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -64,6 +64,17 @@ class Model:
     def __post_init__(self) -> None:
         if self.nothing is not None and self.nothing not in self.labels:
             raise EstimatorError(f"{self.path}: nothing = {self.nothing!r} was found, expected one of its labels")
+        prior = self.training_prior
+        for name, right, expected in (
+            ("labels", _are_names(self.labels), "a list of names"),
+            ("mean", _are_numbers(self.mean, 3), "three numbers"),
+            ("sd", _are_numbers(self.sd, 3, above=0.0), "three numbers above zero"),
+            ("temperature", _are_numbers((self.temperature,), 1, above=0.0), "a number above zero"),
+            ("label_map", _is_table(self.label_map) and _are_names(self.label_map.values()), "a table of names"),
+            ("training_prior", prior is None or _is_prior(prior), "a table of numbers above zero"),
+        ):
+            if not right:
+                raise EstimatorError(f"{self.path}: {name} = {getattr(self, name)!r} was found, expected {expected}")
 
     @property
     def tells(self) -> tuple[str, ...]:
@@ -178,6 +189,24 @@ def _shares(scores: NDArray[np.float64]) -> NDArray[np.float64]:
     if np.any(scores < 0) or abs(scores.sum() - 1) > SUM_TOLERANCE:
         scores = np.exp(scores - scores.max())
     return np.asarray(scores / scores.sum())
+
+
+def _are_names(values: object) -> bool:
+    return isinstance(values, Iterable) and not isinstance(values, str) and all(isinstance(v, str) for v in values)
+
+
+def _are_numbers(values: object, count: int, above: float = -np.inf) -> bool:
+    if not isinstance(values, Collection) or len(values) != count:
+        return False
+    return all(isinstance(v, int | float) and not isinstance(v, bool) and above < v < np.inf for v in values)
+
+
+def _is_table(values: object) -> bool:
+    return isinstance(values, Mapping)
+
+
+def _is_prior(values: object) -> bool:
+    return isinstance(values, Mapping) and bool(values) and _are_numbers(values.values(), len(values), above=0.0)
 
 
 def _session(path: Path) -> InferenceSession:

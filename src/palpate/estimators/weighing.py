@@ -25,6 +25,8 @@ LEFT_BY_STEP, STEP_SDS = 0.5, 6.0
 RESOLUTION_NM = 0.005
 """Of a good arm's torque sensors: about a gram at half a metre."""
 BELOW_ZERO_SDS = 4.0
+APART_SDS = 6.0
+"""Joints that are further apart than this, or agree only about a grasp that is so far off, cannot all be right."""
 ROUNDS = 3
 
 
@@ -99,13 +101,13 @@ def weigh(
     Returns
     -------
     Weighing
-        Failed where samples are too few, not finite or cut off, where the object slipped while it was held, or where
-        the mass would be far below zero.
+        Failed where samples are too few, not finite or cut off, where the object slipped while it was held, where
+        joints do not agree, or where the mass would be far below zero.
 
     Raises
     ------
     EstimatorError
-        If there is no hold, a lever is zero, or time stamps are missing or do not fit.
+        If there is no hold, a lever is zero, a number is not finite, or time stamps are missing or do not fit.
 
     Examples
     --------
@@ -116,9 +118,12 @@ def weigh(
     """
     if not holds:
         raise EstimatorError("holds: found none, expected one at least")
+    for name, value in (("grasp_sd_m", grasp_sd_m), ("resolution_nm", resolution_nm)):
+        if not 0 <= value < np.inf:
+            raise EstimatorError(f"{name}: found {value}, expected a number of 0 or more")
     try:
         parts = [_Part.of(place, hold, drifts, resolution_nm) for place, hold in enumerate(holds)]
-        return _solved(parts, grasp_sd_m, drifts)
+        return _solved(parts, grasp_sd_m, drifts, resolution_nm)
     except SignalError as error:
         return Weighing(Failed(str(error)))
 
@@ -140,6 +145,8 @@ class _Part:
         where = f"holds[{place}]"
         if not (np.isfinite(hold.lever_m) and abs(hold.lever_m) > 1e-3):
             raise EstimatorError(f"{where}.lever_m: found {hold.lever_m}, expected a length of a millimetre or more")
+        if not np.isfinite(hold.lever_per_offset):
+            raise EstimatorError(f"{where}.lever_per_offset: found {hold.lever_per_offset}, expected a finite number")
         full = samples(f"{where}.torque_nm", hold.torque_nm, at_least=LEAST_SAMPLES, may_clip=False)
         empty = samples(f"{where}.empty_torque_nm", hold.empty_torque_nm, at_least=LEAST_SAMPLES, may_clip=False)
         if np.ptp(full) == 0.0:
@@ -182,7 +189,7 @@ def _check_steady(where: str, values: NDArray[np.float64], resolution_nm: float)
         raise SignalError(f"{where}: the torque steps by {step:+.3g} Nm while the object is held: it slipped or fell")
 
 
-def _solved(parts: Sequence[_Part], grasp_sd_m: float, drifts: bool) -> Weighing:
+def _solved(parts: Sequence[_Part], grasp_sd_m: float, drifts: bool, resolution_nm: float) -> Weighing:
     """Generalised least squares; the SD of the lever's change depends on the mass, so that is done again with it."""
     rows, torques, variances = _equations(parts, drifts)
     weights = 1 / np.sqrt(variances)
@@ -198,6 +205,7 @@ def _solved(parts: Sequence[_Part], grasp_sd_m: float, drifts: bool) -> Weighing
             system = np.vstack([rows * weights[:, None], prior])
             solution, covariance = _least_squares(system, np.append(torques * weights, 0.0))
             mass_kg = solution[0]
+    _check_agreement(parts, rows, torques, variances, solution, grasp_sd_m, resolution_nm)
     sd_kg = float(np.sqrt(covariance[0, 0]))
     if mass_kg < -BELOW_ZERO_SDS * sd_kg:
         raise SignalError(f"the mass would be {1e3 * mass_kg:.3g} g, below zero: the lever's sign or the zero is wrong")
@@ -211,6 +219,36 @@ def _solved(parts: Sequence[_Part], grasp_sd_m: float, drifts: bool) -> Weighing
         1e3 * float(np.sqrt(max(sd_kg**2 - noise_sd_kg**2, 0.0))),
         {joint: float(value) for joint, value in zip(joints, found, strict=True)},
     )
+
+
+def _check_agreement(
+    parts: Sequence[_Part],
+    rows: NDArray[np.float64],
+    torques: NDArray[np.float64],
+    variances: NDArray[np.float64],
+    solution: NDArray[np.float64],
+    grasp_sd_m: float,
+    resolution_nm: float,
+) -> None:
+    """Refuse holds of which no one mass at a grasp that can be is the weight."""
+    if grasp_sd_m > 0:
+        off_m = float(solution[1]) / (float(solution[0]) or 1.0)
+        if abs(off_m) > APART_SDS * grasp_sd_m:
+            raise SignalError(
+                f"the joints agree only if the grasp is {1e3 * off_m:+.0f} mm off, and its SD is {1e3 * grasp_sd_m:g} "
+                "mm: the lever, sign or zero of one is wrong"
+            )
+    left = torques - (rows if grasp_sd_m > 0 else np.delete(rows, 1, axis=1)) @ solution
+    start = 0
+    for place, part in enumerate(parts):
+        middle, end = start + part.full.size, start + part.full.size + part.empty.size
+        apart = float(left[start:middle].mean() - left[middle:end].mean())
+        sd = np.sqrt(variances[start] / part.full.size + variances[middle] / part.empty.size + resolution_nm**2)
+        if abs(apart) > APART_SDS * sd:
+            raise SignalError(
+                f"holds[{place}]: {apart:+.3g} Nm are left that no mass explains: the joints do not agree"
+            )
+        start = end
 
 
 def _equations(
@@ -237,13 +275,13 @@ def _equations(
 
 def _variance(values: NDArray[np.float64], stamps: NDArray[np.float64], drifts: bool) -> float:
     """Variance of a sample about its level, as large as if samples that resemble their neighbours were independent."""
-    residuals = values - values.mean()
+    residuals, fitted = values - values.mean(), 1
     if drifts and np.ptp(stamps) > 0:
-        residuals = values - np.polynomial.Polynomial.fit(stamps, values, 1)(stamps)
+        residuals, fitted = values - np.polynomial.Polynomial.fit(stamps, values, 1)(stamps), 2
     power = float(residuals @ residuals)
     # a resting sensor is no surer than the last digit of a number
     least = (1e-9 * max(1.0, float(np.abs(values).max()))) ** 2
-    return max(power / (values.size - 1), least) * correlation_factor(residuals)
+    return max(power / (values.size - fitted), least) * correlation_factor(residuals, fitted=fitted)
 
 
 def _least_squares(

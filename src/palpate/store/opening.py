@@ -49,7 +49,8 @@ def open_store(
 
     Examples
     --------
-    >>> with open_store("measurements.sqlite") as store:
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder, open_store(f"{folder}/measurements.sqlite") as store:
     ...     type(store.blobs).__name__
     'FolderBlobs'
     """

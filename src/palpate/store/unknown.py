@@ -47,7 +47,8 @@ def unknown_names(store: Store, wanted: Filter) -> Iterator[Unknown]:
     Examples
     --------
     >>> from palpate.store.opening import open_store
-    >>> with open_store("names.sqlite") as store:
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder, open_store(f"{folder}/names.sqlite") as store:
     ...     [(one.what, one.name) for one in unknown_names(store, Filter(action="squeezing"))]
     [('action', 'squeezing')]
     """

@@ -9,14 +9,14 @@ from palpate.estimators.classifier import Classifier
 from palpate.estimators.vision import OnnxClassifier, read_model
 from palpate.network.admission import admit
 from palpate.network.reading import load_network
-from palpate.outcomes import Failed, Posterior
+from palpate.outcomes import Failed, Posterior, Reading
 from palpate.robots.mujoco.bench import Bench
 from palpate.robots.mujoco.errors import BenchError
-from palpate.robots.mujoco.estimates import PICTURES, SOUNDS, Ears, Eyes, estimates
+from palpate.robots.mujoco.estimates import PICTURES, SOUNDS, Ears, Eyes, Hand, estimates
 from palpate.robots.mujoco.knocking import knock
 from palpate.robots.mujoco.looking import look
 from palpate.robots.mujoco.reading import bench_object
-from palpate.robots.signals import ImageSignals, SoundSignals
+from palpate.robots.signals import ImageSignals, SoundSignals, SqueezeSignals
 
 
 def test_the_shipped_models_serve_what_they_know() -> None:
@@ -78,3 +78,19 @@ def test_rubbish_is_never_told(kind: str) -> None:
     outcome = estimates(load_network("household"))["mat-sound"](SoundSignals(samples, 44100.0, 0.0))
     assert isinstance(outcome, Failed)
     assert outcome.reason
+
+
+def test_the_sd_of_an_elasticity_knows_that_the_width_is_not_exact() -> None:
+    """What is told of the object at rest has an error as well: half a millimetre is most of the SD of stiff things."""
+    rng, scores = np.random.default_rng(9), []
+    true_mm = np.linspace(62, 44, 60)
+    for _ in range(200):
+        gap_mm = 85 - np.round((85 - true_mm + rng.uniform(0, 0.37)) / 0.37) * 0.37
+        force_n = 1.5 * np.maximum(0, 55 - true_mm) + rng.normal(0, 0.15, 60)
+        counts = np.round((85 - gap_mm) / 0.37).astype(np.int64)
+        squeezed = SqueezeSignals(np.arange(60) / 50, gap_mm, force_n, counts, 1500.0, 55 + rng.normal(0, 0.5))
+        outcome = Hand().elasticity(squeezed)
+        assert isinstance(outcome, Reading)
+        assert outcome.sd is not None
+        scores.append((outcome.value - 55) / outcome.sd)
+    assert 0.75 < np.std(scores) < 1.15

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import hypot
 from pathlib import Path
 
 from palpate.estimators.classifier import Classifier
@@ -44,11 +45,14 @@ class Hand:
         Readings of elasticity above it are only known to be above [kPa].
     area_sd
         Relative SD of the contact area over the width.
+    width_sd_mm
+        SD of the rest width as it is told [mm].
     """
 
     grasp_sd_m: float = 0.006
     limit_kpa: float = 95.0
     area_sd: float = 0.0
+    width_sd_mm: float = 0.5
 
     def mass(self, signals: WeighSignals) -> Outcome:
         """The mass that was held, in g."""
@@ -75,7 +79,7 @@ class Hand:
             signals.rest_width_mm,
             limit_kpa=self.limit_kpa,
             gap_sd_mm=POSITION_STEP_MM / 12**0.5,
-            relative_sd=self.area_sd,
+            relative_sd=hypot(self.area_sd, self.width_sd_mm / signals.rest_width_mm),
         )
         return squeeze(signals.gap_mm, signals.force_n, jaws).outcome
 
