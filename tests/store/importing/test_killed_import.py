@@ -116,7 +116,8 @@ def test_an_interrupted_import_goes_on(given: Path, tmp_path: Path) -> None:
     path = tmp_path / "store.sqlite"
     command = ["store", "import", str(given / "given"), "--columns", str(given / "columns.toml"), "--store", str(path)]
     ended = subprocess.run([sys.executable, "-c", INTERRUPTED, *command], capture_output=True, text=True, check=False)
-    first, last = ended.stderr.splitlines()
+    made, first, last = ended.stderr.splitlines()
+    assert made.startswith("palpate: new store made at ")
     assert (ended.returncode, ended.stdout, last) == (130, "", "palpate: interrupted")
     assert first.startswith("broken off after 25 new, 0 there already")
     done = subprocess.run([sys.executable, "-m", "palpate", *command], capture_output=True, text=True, check=True)
