@@ -1,5 +1,6 @@
 """Tasks run in any executor: what is done is kept, and results do not depend on who did them."""
 
+import sys
 from collections.abc import Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
@@ -112,3 +113,14 @@ def test_no_run_is_one_sentence(tmp_path: Path) -> None:
     """A folder without a run cannot be gathered."""
     with pytest.raises(PalpateError, match="expected the folder of a run"):
         gathered(tmp_path)
+
+
+@pytest.mark.parametrize("package", ["pyarrow", "threadpoolctl"])
+def test_what_is_not_installed_is_told_before_a_folder_is_made(
+    package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Otherwise the same command is refused after installing, as the folder would be there."""
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(PalpateError, match=rf'{package}, which is not installed: pip install "palpate\[reproduce\]"'):
+        run_tasks(DRAWS, tmp_path / "run")
+    assert not (tmp_path / "run").exists()

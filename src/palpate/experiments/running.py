@@ -56,14 +56,15 @@ def run_tasks(
     ------
     PalpateError
         The folder holds parts and `resume` is not set, or those of another run; two tasks have the
-        same key; pyarrow is missing; workers keep dying.
+        same key; pyarrow or threadpoolctl is missing; workers keep dying.
     """
     _check_keys(tasks)
-    parts = _prepare(Path(folder), tasks, settings or {}, resume)
-    waiting = [task for task in tasks if not (parts / f"{task.key}.parquet").exists()]
-    tell = told or (lambda done, of: None)
-    tell(len(tasks) - len(waiting), len(tasks))
+    _pyarrow()  # what is not installed is told before a folder is made, which would be in the way afterwards
     with single_threaded():
+        parts = _prepare(Path(folder), tasks, settings or {}, resume)
+        waiting = [task for task in tasks if not (parts / f"{task.key}.parquet").exists()]
+        tell = told or (lambda done, of: None)
+        tell(len(tasks) - len(waiting), len(tasks))
         for task, rows in _done(tuple(waiting), executor):
             _write(parts / f"{task.key}.parquet", rows)
             waiting.remove(task)

@@ -59,8 +59,12 @@ def single_threaded() -> Iterator[None]:
 
 def _limit_threads() -> Callable[[], None]:
     """Set this process to one thread, what is loaded later too; returns what undoes the former."""
-    from threadpoolctl import threadpool_limits
-
+    try:
+        from threadpoolctl import threadpool_limits
+    except ImportError as error:
+        raise PalpateError(
+            'experiments limit threads with threadpoolctl, which is not installed: pip install "palpate[reproduce]"'
+        ) from error
     os.environ.update(dict.fromkeys(THREADS, "1"))
     undo: Callable[[], None] = threadpool_limits(1).restore_original_limits
     return undo
