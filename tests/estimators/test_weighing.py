@@ -188,6 +188,7 @@ def test_wrong_calls_are_errors() -> None:
     for holds, drifts, told in (
         ([], False, "found none"),
         ([replace(good, lever_m=0.0)], False, "lever_m"),
+        ([replace(good, lever_m=450.0)], False, "found 450.0, expected 0.001 to 10 metres"),
         ([replace(good, time_s=None)], True, "time stamps"),
         ([replace(good, time_s=np.arange(3.0))], True, "different lengths"),
     ):

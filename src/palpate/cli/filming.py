@@ -31,7 +31,7 @@ SIZE = (SCENE[0] + PANEL[0], SCENE[1])
 FASTER = 3
 """The scene is shown so many times as fast as it is."""
 TICKS = round(FASTER / (RATE_HZ * TICK_S))
-LONGEST = 78
+LONGEST = 66
 STILL_S = 2.0
 """How long a result is shown."""
 INSET, EDGE = 3, 4
@@ -93,8 +93,9 @@ class Filming:
         if step.action is None or step.outcome is None:
             words = f"stopped: {step.stop}"
         else:
-            gain = "" if step.realised_gain_bits is None else f", {number(step.realised_gain_bits)} bits"
-            words = f"step {step.index}: {step.action} gave {outcome_words(step.outcome)}{gain}"
+            gain = "" if step.realised_gain_bits is None else f" ({number(step.realised_gain_bits)} bits)"
+            # what the classifier said can be long, and is what may be cut
+            words = f"step {step.index}{gain}: {step.action} gave {outcome_words(step.outcome)}"
         words = shorten(words, LONGEST, placeholder="...")
         self._panel = replace(self._panel, words=words, after=summarise(step.after))
         self._redraw()

@@ -20,6 +20,7 @@ __all__ = ["Hold", "Weighing", "weigh"]
 
 GRAVITY_M_S2 = 9.80665
 LEAST_SAMPLES = 5
+LONGEST_M = 10.0
 LEFT_BY_STEP, STEP_SDS = 0.5, 6.0
 """A hold steps where two levels leave this share of the squares that a line leaves, and differ by so many SDs."""
 RESOLUTION_NM = 0.005
@@ -143,8 +144,9 @@ class _Part:
     @classmethod
     def of(cls, place: int, hold: Hold, drifts: bool, resolution_nm: float) -> _Part:
         where = f"holds[{place}]"
-        if not (np.isfinite(hold.lever_m) and abs(hold.lever_m) > 1e-3):
-            raise EstimatorError(f"{where}.lever_m: found {hold.lever_m}, expected a length of a millimetre or more")
+        # longer than any arm: the lever is in millimetres
+        if not 1e-3 < abs(hold.lever_m) < LONGEST_M:
+            raise EstimatorError(f"{where}.lever_m: found {hold.lever_m}, expected 0.001 to {LONGEST_M:g} metres")
         if not np.isfinite(hold.lever_per_offset):
             raise EstimatorError(f"{where}.lever_per_offset: found {hold.lever_per_offset}, expected a finite number")
         full = samples(f"{where}.torque_nm", hold.torque_nm, at_least=LEAST_SAMPLES, may_clip=False)

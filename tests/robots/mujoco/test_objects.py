@@ -44,7 +44,11 @@ def test_parts_that_cannot_be_made_are_named(block, part: Part, told: str) -> No
 
 def test_noise_that_cannot_be_is_refused() -> None:
     """Noise below zero and probabilities above one are errors that name the figure."""
-    with pytest.raises(BenchError, match=r"force_sd_n -1 was found, expected 0 or more"):
+    with pytest.raises(BenchError, match=r"force_sd_n -1 was found, expected 0 to 1000"):
         BenchNoise(force_sd_n=-1)
+    with pytest.raises(BenchError, match=r"torque_drift_nm_per_s 1e\+300 was found, expected 0 to 1000"):
+        BenchNoise(torque_drift_nm_per_s=1e300)
+    with pytest.raises(BenchError, match=r"light_sd 50 was found, expected 0 to 1"):
+        BenchNoise(light_sd=50)
     with pytest.raises(BenchError, match=r"slip_probability 2 was found, expected 0 to 1"):
         BenchNoise(slip_probability=2)

@@ -9,6 +9,9 @@ from palpate.robots.mujoco.gripper import POSITION_STEP_MM
 
 __all__ = ["QUIET", "BenchNoise"]
 
+RELATIVE = ("force_gain_sd", "sound_spread", "sound_floor", "light_sd")
+MOST = 1000.0
+
 
 @dataclass(frozen=True)
 class BenchNoise:
@@ -65,11 +68,14 @@ class BenchNoise:
 
     def __post_init__(self) -> None:
         for entry in fields(self):
-            value = getattr(self, entry.name)
-            most = 1.0 if entry.name.endswith("_probability") else float("inf")
+            value, most = getattr(self, entry.name), _most(entry.name)
             if not 0 <= value <= most:
-                expected = "0 to 1" if most == 1.0 else "0 or more"
-                raise BenchError(f"BenchNoise: {entry.name} {value!r} was found, expected {expected}")
+                raise BenchError(f"noise: {entry.name} {value!r} was found, expected 0 to {most:g}")
+
+
+def _most(name: str) -> float:
+    """A share is at most one; beyond the other bound nothing is left of any signal."""
+    return 1.0 if name.endswith("_probability") or name in RELATIVE else MOST
 
 
 QUIET = BenchNoise(**{entry.name: 0.0 for entry in fields(BenchNoise)})
