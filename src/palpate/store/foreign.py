@@ -6,6 +6,8 @@ import sqlite3
 from contextlib import closing
 from pathlib import Path
 
+from palpate.store.read_only import read_only_uri
+
 __all__ = ["is_foreign"]
 
 OURS = {"alembic_version", "recordings"}
@@ -17,6 +19,11 @@ def is_foreign(path: Path) -> bool:
     """Whether a file is a database with tables, and none of them those of a store.
 
     What cannot be read here is not foreign: whoever opens the store is told what is wrong with it.
+
+    Raises
+    ------
+    StoreError
+        As `read_only_uri`.
 
     Examples
     --------
@@ -30,8 +37,10 @@ def is_foreign(path: Path) -> bool:
     """
     if not path.is_file():
         return False
+    # where nothing may be written, SQLite would leave a log and an index beside it
+    uri = read_only_uri(path) or f"{path.absolute().as_uri()}?mode=ro"
     try:
-        with closing(sqlite3.connect(f"{path.absolute().as_uri()}?mode=ro", uri=True, timeout=WAIT_S)) as connection:
+        with closing(sqlite3.connect(uri, uri=True, timeout=WAIT_S)) as connection:
             rows = connection.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchall()
     except (sqlite3.DatabaseError, UnicodeDecodeError):
         return False
