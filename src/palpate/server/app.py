@@ -75,7 +75,10 @@ def _middleware(settings: Settings) -> list[Middleware]:
     """From the outside to the inside."""
 
     def largest(method: str, path: str) -> int:
-        uploads = method in ("PUT", "POST") and path.startswith(f"{API}/recordings")
+        all_recordings = f"{API}/recordings"
+        uploads = (method == "POST" and path == all_recordings) or (
+            method == "PUT" and path.startswith(f"{all_recordings}/")
+        )
         return settings.largest_upload_bytes if uploads else settings.largest_body_bytes
 
     found = [
