@@ -12,6 +12,7 @@ from starlette.middleware import Middleware
 from palpate import __version__
 from palpate.server import watching
 from palpate.server.api import corrections, episodes, objects, recordings, results, series, setups, users
+from palpate.server.heads import HeadAsGet
 from palpate.server.pages import site
 from palpate.server.problems import Problem, Unexpected, install
 from palpate.server.security.bodies import BodyLimits
@@ -83,6 +84,7 @@ def _middleware(settings: Settings) -> list[Middleware]:
 
     found = [
         Middleware(watching.Watching),
+        Middleware(HeadAsGet),
         Middleware(SecurityHeaders, secure=settings.secure),
         Middleware(KnownHosts, hosts=settings.hosts),
     ]
