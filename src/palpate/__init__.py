@@ -17,6 +17,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from palpate.client import Client
     from palpate.episode import read_episode
     from palpate.errors import EvidenceError, ImpossibleEvidenceError, LogError, NetworkError, PalpateError
     from palpate.explore import Step, explore
@@ -51,6 +52,7 @@ __all__ = [
     "Action",
     "Belief",
     "Below",
+    "Client",
     "ConfusionSensor",
     "CostBudget",
     "EntropyBelow",
@@ -103,6 +105,7 @@ __all__ = [
 __version__ = "0.1.0"
 
 _HOMES = {
+    "client": ("Client",),
     "episode": ("read_episode",),
     "errors": ("EvidenceError", "ImpossibleEvidenceError", "LogError", "NetworkError", "PalpateError"),
     "explore": ("Step", "explore"),

@@ -1,15 +1,19 @@
-"""The command itself, in a process of its own."""
+"""The command itself, in a process of its own; and an application in a thread."""
 
 import os
 import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from urllib.error import URLError
 from urllib.request import urlopen
+
+import uvicorn
+from fastapi import FastAPI
 
 
 def free_port() -> int:
@@ -38,3 +42,20 @@ def served(place: Path | str, *options: str) -> Iterator[tuple[str, subprocess.P
     finally:
         process.kill()
         process.communicate()
+
+
+@contextmanager
+def listening(app: FastAPI) -> Iterator[str]:
+    """Serve an application here, for clients that need an address."""
+    port = free_port()
+    server = uvicorn.Server(uvicorn.Config(app, port=port, log_level="error"))
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    try:
+        while not server.started:
+            assert thread.is_alive()
+            time.sleep(0.01)
+        yield f"http://127.0.0.1:{port}"
+    finally:
+        server.should_exit = True
+        thread.join()

@@ -51,6 +51,7 @@ class World:
         for key in (recording.id, recording.digest):
             one = f"{API}/recordings/{key}"
             yield from (one, f"{one}/files", f"{one}/files/0", f"{one}/log", f"{one}/series", f"{one}/series/0")
+            yield f"{one}/package"
             yield f"{one}/series/0/channels/0/sound"
             yield f"/recordings/{key}"
             yield f"/recordings/{key}/series/0/channels/0/spectrogram.png"
@@ -173,6 +174,17 @@ def test_who_has_accounts_and_tokens(client: TestClient, world: World, person: s
     assert still == (401 if ended == 204 else 200)
 
 
+@pytest.mark.parametrize("person", PEOPLE)
+def test_only_what_one_sees_is_known(client: TestClient, world: World, person: str) -> None:
+    """Who asks by digest what need not be sent is told of nothing that they may not see."""
+    by_digest = {one.digest: name for name, one in world.recordings.items()}
+    asked = {"digests": [*by_digest, "ab" * 32]}
+    found = client.post(f"{API}/recordings/known", json=asked, headers=world.headers[person])
+    assert found.status_code == {"anonymous": 401, "reader": 403}.get(person, 200)
+    if found.status_code == 200:
+        assert {by_digest[digest] for digest in found.json()["known"]} == SEEN[person]
+
+
 def test_what_is_known_in_private_does_not_show_in_a_filter(client: TestClient, world: World) -> None:
     """A filter by what an object is known to be goes by what the asker may know."""
     secret = squeeze(
@@ -219,6 +231,7 @@ def test_no_address_was_forgotten(client: TestClient, world: World) -> None:
     assert others == {
         ("put", f"{API}/recordings/{{digest}}"),
         ("post", f"{API}/recordings"),
+        ("post", f"{API}/recordings/known"),
         ("delete", f"{API}/tokens/{{id}}"),
         *(one for one in corrections if one[0] != "get"),
     }

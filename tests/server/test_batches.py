@@ -9,10 +9,10 @@ from fastapi.testclient import TestClient
 from hypothesis import given
 
 from palpate.server.api import models
-from palpate.server.lines import line_of, recording_of
 from palpate.server.security.accounts import Role
 from palpate.store.checks import check
 from palpate.store.errors import StoreError
+from palpate.store.importing.lines import line_of, recording_of
 from palpate.store.records import Recording
 from palpate.store.store import Store
 from tests.server.packages import package

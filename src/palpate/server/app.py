@@ -12,6 +12,7 @@ from starlette.middleware import Middleware
 from palpate import __version__
 from palpate.server import watching
 from palpate.server.api import corrections, episodes, objects, recordings, results, series, setups, users
+from palpate.server.heads import HeadAsGet
 from palpate.server.pages import site
 from palpate.server.problems import Problem, Unexpected, install
 from palpate.server.security.bodies import BodyLimits
@@ -75,11 +76,15 @@ def _middleware(settings: Settings) -> list[Middleware]:
     """From the outside to the inside."""
 
     def largest(method: str, path: str) -> int:
-        uploads = method in ("PUT", "POST") and path.startswith(f"{API}/recordings")
+        all_recordings = f"{API}/recordings"
+        uploads = (method == "POST" and path == all_recordings) or (
+            method == "PUT" and path.startswith(f"{all_recordings}/")
+        )
         return settings.largest_upload_bytes if uploads else settings.largest_body_bytes
 
     found = [
         Middleware(watching.Watching),
+        Middleware(HeadAsGet),
         Middleware(SecurityHeaders, secure=settings.secure),
         Middleware(KnownHosts, hosts=settings.hosts),
     ]

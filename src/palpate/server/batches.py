@@ -9,7 +9,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from palpate.server.lines import recording_of
 from palpate.server.problems import FIELD
 from palpate.server.receiving import check_owner, check_parts
 from palpate.server.security.accounts import Account
@@ -17,6 +16,7 @@ from palpate.server.state import State
 from palpate.store.errors import StoreError
 from palpate.store.importing.intake import import_paths
 from palpate.store.importing.items import Fate, Item, Outcome
+from palpate.store.importing.lines import recording_of
 from palpate.store.importing.package import unpack
 from palpate.store.records import Recording
 from palpate.store.visible_episodes import recordings_of_digests

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from datetime import datetime
-from typing import Any, Generic, Literal, TypeVar
+from typing import Annotated, Any, Generic, Literal, TypeVar
 from uuid import UUID
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
 __all__ = [
     "Batch",
     "Change",
     "Device",
+    "Digests",
     "Entry",
     "EntryRow",
     "Episode",
     "EpisodeRow",
     "File",
+    "KnownRecordings",
     "Object",
     "Page",
     "Property",
@@ -329,6 +331,18 @@ class Batch(Strict):
     """What became of each recording of a batch, in the order in which they came."""
 
     items: list[BatchItem]
+
+
+class Digests(Strict):
+    """Recordings by their digests, SHA-256 in hexadecimal digits."""
+
+    digests: list[Annotated[str, Field(pattern="^[0-9a-f]{64}$")]] = Field(max_length=1_000)
+
+
+class KnownRecordings(Strict):
+    """Those recordings that are here, with their ids."""
+
+    known: dict[str, UUID]
 
 
 class User(Strict):

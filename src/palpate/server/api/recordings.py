@@ -3,29 +3,32 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Iterator
 from pathlib import Path as FilePath
-from tempfile import TemporaryDirectory
+from tempfile import SpooledTemporaryFile, TemporaryDirectory
 from typing import IO, Annotated, Any
 
 from fastapi import APIRouter, Depends, Path, Query, Request
 from fastapi.concurrency import run_in_threadpool
-from fastapi.responses import PlainTextResponse, Response
+from fastapi.responses import PlainTextResponse, Response, StreamingResponse
 from starlette.datastructures import UploadFile
 
 from palpate.server.api import plain
 from palpate.server.api.answers import answer, page
 from palpate.server.api.downloads import download
-from palpate.server.api.models import Batch, File, Page, Receipt, Recording, RecordingRow
+from palpate.server.api.models import Batch, Digests, File, KnownRecordings, Page, Receipt, Recording, RecordingRow
 from palpate.server.api.parameters import Place, SeenRecording, StoreOf
 from palpate.server.api.queries import RecordingQuery
 from palpate.server.batches import LINES, keep_batch
 from palpate.server.problems import Problem, problem
-from palpate.server.receiving import receive, spooled
+from palpate.server.receiving import IN_MEMORY, receive, spooled
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.who import Who, needs
 from palpate.server.state import state_of
+from palpate.store.importing.package import pack
 from palpate.store.listing import list_recordings
 from palpate.store.parts import file_of, log_of
+from palpate.store.visible_episodes import recordings_of_digests
 
 __all__ = ["router"]
 
@@ -38,6 +41,7 @@ BATCH = {
     },
 }
 MOST_PACKAGES = 1_000
+PIECE_BYTES = 1 << 20
 REFUSALS: dict[int | str, dict[str, Any]] = {status: {"model": Problem} for status in (401, 403, 408, 409, 413, 422)}
 
 
@@ -71,6 +75,23 @@ def get_file(request: Request, store: StoreOf, head: SeenRecording, position: Pl
     return download(request, data, item.name, item.media_type, item.sha256)
 
 
+@router.get("/{key}/package", response_class=Response, responses={200: {"content": UPLOAD}})
+def get_package(store: StoreOf, head: SeenRecording) -> Response:
+    """A recording whole, as a package: what a program that knows Palpate reads back to what was put."""
+    package = SpooledTemporaryFile(max_size=IN_MEMORY)  # noqa: SIM115 - closed once it is sent
+    try:
+        pack(store.get(head.id), package)
+    except BaseException:
+        package.close()
+        raise
+    headers = {
+        "Content-Length": str(package.tell()),
+        "Content-Disposition": f'attachment; filename="{head.id}.zip"',
+    }
+    package.seek(0)
+    return StreamingResponse(_pieces(package), 200, headers, "application/zip")
+
+
 @router.get("/{key}/log", response_class=PlainTextResponse)
 def get_log(store: StoreOf, head: SeenRecording) -> Response:
     """What the program printed."""
@@ -97,6 +118,13 @@ async def put_recording(
         receipt = await run_in_threadpool(receive, state, who, digest, package)
     found = {"id": str(receipt.id), "digest": receipt.digest, "new": receipt.new}
     return answer(found, 201 if receipt.new else 200, {"Location": f"{plain.ROOT}/recordings/{receipt.id}"})
+
+
+@router.post("/known", response_model=KnownRecordings, responses=REFUSALS)
+def post_known(store: StoreOf, who: Annotated[Account, Depends(needs(Role.OWNER))], asked: Digests) -> Response:
+    """Which of these recordings are here, as far as one may see: what need not be sent again."""
+    found = recordings_of_digests(store, who.viewer, asked.digests)
+    return answer({"known": {digest: str(id) for digest, id in found.items()}})
 
 
 @router.post(
@@ -133,6 +161,12 @@ async def _packages(request: Request, folder: FilePath) -> list[FilePath]:
                 files.append(folder / f"package {place + 1}")
                 await run_in_threadpool(_save, part.file, files[-1])
     return files
+
+
+def _pieces(package: IO[bytes]) -> Iterator[bytes]:
+    with package:
+        while piece := package.read(PIECE_BYTES):
+            yield piece
 
 
 def _save(body: IO[bytes], path: FilePath) -> None:

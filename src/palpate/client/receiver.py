@@ -1,0 +1,84 @@
+"""Sending a recording to a store elsewhere."""
+
+from __future__ import annotations
+
+from tempfile import SpooledTemporaryFile
+from typing import Any, Protocol
+from uuid import UUID
+
+from palpate.client.connection import Connection
+from palpate.client.errors import NotThereError, UnreachableError
+from palpate.store.importing.package import pack
+from palpate.store.records import Receipt, Recording
+
+__all__ = ["HttpReceiver", "Receiver"]
+
+IN_MEMORY = 8 << 20
+
+
+class Receiver(Protocol):
+    """What recordings can be sent to: a store, or a server that has one."""
+
+    def put(self, recording: Recording) -> Receipt:
+        """Keep a recording; when this returns it is kept. The same again is no second one."""
+
+
+class HttpReceiver:
+    """A store behind a server.
+
+    Parameters
+    ----------
+    url
+        Address of the service, such as ``https://measurements.example.org/api/v1``.
+    token
+        Says who is sending; the environment variable ``PALPATE_TOKEN`` unless given. It goes to no other address.
+    timeout_s
+        How long to wait for an answer.
+
+    Raises
+    ------
+    ReceiverError
+        If the address is none of a server.
+    """
+
+    def __init__(self, url: str, token: str | None = None, *, timeout_s: float = 60.0) -> None:
+        self._connection = Connection(url, token, timeout_s)
+
+    @property
+    def url(self) -> str:
+        """Where it is."""
+        return self._connection.url
+
+    def put(self, recording: Recording) -> Receipt:
+        """Send a recording and wait for the server's answer.
+
+        Raises
+        ------
+        UnreachableError
+            If there is no answer, or none that acknowledges this recording.
+        NotAllowedError
+            If the server does not know the token, or it may not do this.
+        RefusedError
+            If the server will not have the recording.
+        """
+        with SpooledTemporaryFile(max_size=IN_MEMORY) as package:
+            pack(recording, package)
+            headers = {"Content-Type": "application/zip", "Content-Length": str(package.tell())}
+            package.seek(0)
+            try:
+                answer = self._connection.ask_plain("PUT", f"/recordings/{recording.digest}", package, headers)
+            except NotThereError as error:
+                # the address is wrong: what waits goes on waiting
+                raise UnreachableError(f"{error}; answered 404, expected the address of a service") from None
+        return receipt_of(self._connection, answer, recording.digest)
+
+
+def receipt_of(connection: Connection, answer: Any, digest: str) -> Receipt:
+    """The receipt that an answer is, if it is about this recording."""
+    try:
+        found = Receipt(UUID(answer["id"]), str(answer["digest"]), bool(answer["new"]))
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise connection.strange(f"no receipt ({error!r})") from error
+    if found.digest != digest:
+        raise connection.strange(f"about the recording {found.digest[:12]} and not {digest[:12]}")
+    return found

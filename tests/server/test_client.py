@@ -1,0 +1,178 @@
+"""The client against the service itself: what comes back is what was put, and a broken upload goes on."""
+
+import http.client
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from datetime import timedelta
+from typing import Any
+
+import numpy as np
+import pytest
+
+from palpate.client import Client, NotAllowedError, NotThereError, RefusedError, UnreachableError
+from palpate.client.connection import Connection
+from palpate.server.app import application
+from palpate.server.settings import Settings
+from palpate.store.entries import Value
+from palpate.store.keeping_episodes import put_episode
+from palpate.store.records import Channel, FileItem, Receipt, Recording, Series
+from palpate.store.store import Store
+from tests.server.serving import listening
+from tests.store.made_up import made_episode, squeeze
+
+Token = Callable[..., dict[str, str]]
+
+
+@pytest.fixture
+def url(store: Store) -> Iterator[str]:
+    """The address of a service; it takes 1 MiB at once."""
+    with listening(application(store, Settings(largest_upload_bytes=1 << 20, requests_per_s=None))) as address:
+        yield f"{address}/api/v1"
+
+
+def secret(headers: dict[str, str]) -> str:
+    return headers["Authorization"].removeprefix("Bearer ")
+
+
+@pytest.fixture
+def ann(url: str, token: Token) -> Client:
+    """The client of an owner."""
+    return Client(url, secret(token("ann")))
+
+
+def many(count: int, **more: Any) -> list[Recording]:
+    """Some recordings, each at a time of its own."""
+    return [squeeze(n, owner="ann", **more) for n in range(count)]
+
+
+def test_what_comes_back_is_what_was_put(ann: Client, store: Store) -> None:
+    """By its id and by its digest, with arrays and files; also when its object was merged meanwhile."""
+    wide = Channel("wide", "torque", "N*m", np.arange(12, dtype=np.float32).reshape(4, 3), time_s=np.arange(4.0))
+    recording = squeeze(
+        owner="ann", series=(Series("arm", (wide,)),), files=(FileItem("a.png", "image/png", b"\x89PNG..."),), log="hm"
+    )
+    receipt = ann.put(recording)
+    for key in (recording.id, str(recording.id).upper(), recording.digest):
+        found = ann.get(key)
+        assert (found, found.digest) == (recording, recording.digest)
+        assert found.files[0].data == b"\x89PNG..."
+        np.testing.assert_array_equal(found.series[0].channels[0].values, wide.values)
+    assert receipt.id == recording.id
+
+
+def test_lists_follow_all_pages(ann: Client, store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each row once, whatever is in a page; filters are the service's."""
+    monkeypatch.setattr("palpate.client.client.ROWS", 3)
+    recordings = many(8)
+    store.put_many(recordings)
+    ids = [str(one.id) for one in sorted(recordings, key=lambda one: one.recorded_at, reverse=True)]
+    assert [row["id"] for row in ann.recordings()] == ids
+    assert [row["id"] for row in ann.recordings(limit=5)] == ids[:5]
+    assert list(ann.recordings(limit=0)) == []
+    assert list(ann.recordings(ground_truth=True)) == []
+    assert len(list(ann.entries(property=recordings[0].entries[0].property))) == 8
+    until = min(one.recorded_at for one in recordings) + timedelta(microseconds=1)
+    assert [row["id"] for row in ann.recordings(until=until)] == ids[-1:]
+    (thing,) = ann.objects(text=recordings[0].thing.id)
+    assert thing["recordings"] == sum(one.thing.id == recordings[0].thing.id for one in recordings)
+
+
+def test_explorations(ann: Client, store: Store) -> None:
+    """Listed, and each with its steps."""
+    recording = squeeze(owner="ann")
+    store.put(recording)
+    episode = made_episode(recording, owner="ann", thing=recording.thing)
+    put_episode(store, episode)
+    (row,) = ann.episodes(object=recording.thing.id)
+    assert row["id"] == str(episode.id)
+    assert ann.episode(row["id"])["steps"]
+
+
+def test_what_is_wrong_is_told(ann: Client, url: str, store: Store) -> None:
+    """A filter that there is not, what is not there, what may not be seen, and a token that does not hold."""
+    hidden = squeeze(owner="bob")
+    store.put(hidden)
+    with pytest.raises(RefusedError, match="colour"):
+        next(ann.recordings(colour="red"))
+    with pytest.raises(NotThereError):
+        ann.get(hidden.id)
+    with pytest.raises(NotThereError):
+        ann.episode("../users")
+    with pytest.raises(NotAllowedError):
+        Client(url, "palpate_wrong").get(hidden.id)
+    with pytest.raises(NotAllowedError):
+        next(Client(url, "").put_many(many(1)))
+
+
+def test_many_are_kept_or_refused_each_by_itself(ann: Client, store: Store) -> None:
+    """In their order; a large one goes by itself, and one that is larger than the server takes is refused alone."""
+    good, large, too_large = many(3)
+    wrong = replace(squeeze(7, owner="ann"), entries=(Value("elasticity", 1.0, None, "blorp"),))
+    noise = np.random.default_rng(1).integers(0, 256, 5 << 20, dtype=np.uint8)
+    zeros = Channel("load", "mass", "g", np.zeros(600_000), rate_hz=50.0)
+    large = replace(large, series=(Series("arm", (zeros,)),))
+    too_large = replace(too_large, files=(FileItem("noise", "application/octet-stream", noise.tobytes()),))
+    sent = [good, wrong, large, too_large]
+    told = list(ann.put_many(sent))
+    assert [one for one, _ in told] == sent
+    assert [isinstance(became, RefusedError) for _, became in told] == [False, True, False, True]
+    assert "blorp" in str(told[1][1])
+    assert store.known([one.digest for one in sent]) == {good.digest, large.digest}
+
+
+def test_a_request_that_is_too_large_goes_in_parts(ann: Client, store: Store) -> None:
+    """A server may take less at once than the client sends."""
+    tones = [Channel("load", "mass", "g", np.full(30_000, float(n)), rate_hz=50.0) for n in range(8)]
+    recordings = [replace(one, series=(Series("arm", (tone,)),)) for one, tone in zip(many(8), tones, strict=True)]
+    assert all(not isinstance(became, RefusedError) for _, became in ann.put_many(recordings))
+    assert len(store.known([one.digest for one in recordings])) == 8
+
+
+def test_a_broken_upload_goes_on(ann: Client, store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    """After a break only what the server does not have is sent, and all are told about."""
+    monkeypatch.setattr("palpate.client.batches.AT_ONCE", 4)
+    recordings = many(10)
+    posted = list[str]()
+    ask = Connection.ask
+
+    def counted(self: Connection, method: str, path: str, *rest: Any) -> Any:
+        if path == "/recordings":
+            posted.append(path)
+            if len(posted) == 2:
+                # the request arrives, and its answer is lost
+                with ask(self, method, path, *rest) as answer:
+                    answer.read()
+                raise UnreachableError("the line is cut")
+        return ask(self, method, path, *rest)
+
+    monkeypatch.setattr(Connection, "ask", counted)
+    told = list[Any]()
+    with pytest.raises(UnreachableError, match="cut"):
+        told.extend(ann.put_many(recordings))
+    assert [one for one, _ in told] == recordings[:4]
+    again = [became for _, became in ann.put_many(recordings)]
+    assert [isinstance(one, Receipt) and one.new for one in again] == [False] * 8 + [True] * 2
+    assert len(posted) == 3
+    assert len(store.known([one.digest for one in recordings])) == 10
+
+
+@pytest.mark.parametrize("size", [1_001, 0])
+def test_how_many_may_be_asked_for(url: str, token: Token, size: int) -> None:
+    """A thousand digests at once, and none."""
+    connection = Connection(url, secret(token("ann")), 60.0)
+    body = ('{"digests": [' + ",".join(['"' + "ab" * 32 + '"'] * size) + "]}").encode()
+    headers = {"Content-Type": "application/json"}
+    if size:
+        with pytest.raises(RefusedError, match="digests"):
+            connection.ask_plain("POST", "/recordings/known", body, headers)
+    else:
+        assert connection.ask_plain("POST", "/recordings/known", body, headers) == {"known": {}}
+
+
+def test_only_uploads_may_be_large(url: str, token: Token) -> None:
+    """A question is read into memory, and so is small for everybody."""
+    address = url.removeprefix("http://").partition("/")[0]
+    connection = http.client.HTTPConnection(address, timeout=30)
+    connection.request("POST", "/api/v1/recordings/known", headers={"Content-Length": str(2 << 20)})
+    assert connection.getresponse().status == 413
+    connection.close()
