@@ -17,7 +17,6 @@ from palpate.server.problems import problem
 from palpate.server.security.who import Who
 from palpate.store.episodes import StoredEpisode
 from palpate.store.keeping_episodes import get_episode
-from palpate.store.listing_episodes import list_episodes
 from palpate.store.visible_episodes import episode_is_visible, recordings_of_digests
 
 __all__ = ["SeenEpisode", "router"]
@@ -37,16 +36,7 @@ SeenEpisode = Annotated[StoredEpisode, Depends(_episode)]
 @router.get("", response_model=Page[EpisodeRow])
 def list_(request: Request, store: StoreOf, who: Who, query: Annotated[EpisodeQuery, Query()]) -> Response:
     """Explorations, the last one first."""
-    found = list_episodes(
-        store,
-        thing=query.object,
-        dataset=query.dataset,
-        since=query.since,
-        until=query.until,
-        viewer=who.viewer,
-        limit=query.limit,
-        cursor=query.cursor,
-    )
+    found = query.found(store, who.viewer)
     return page(request, query, map(plain.episode_row, found.rows), found.cursor)
 
 

@@ -11,6 +11,8 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from palpate.store.filters import Sort
+from palpate.store.listing_episodes import EpisodePage, list_episodes
+from palpate.store.store import Store
 from palpate.store.viewing import Viewer, VisibleFilter
 from palpate.store.visible_things import ThingFilter
 
@@ -127,6 +129,19 @@ class EpisodeQuery(PageQuery):
     dataset: Text | None = None
     since: Moment | None = None
     until: Moment | None = None
+
+    def found(self, store: Store, viewer: Viewer) -> EpisodePage:
+        """The page of them that this viewer may see."""
+        return list_episodes(
+            store,
+            thing=self.object,
+            dataset=self.dataset,
+            since=self.since,
+            until=self.until,
+            viewer=viewer,
+            limit=self.limit,
+            cursor=self.cursor,
+        )
 
 
 def pairs(texts: Sequence[str]) -> list[tuple[str, str]]:

@@ -22,7 +22,6 @@ from palpate.server.plots.drawing import number
 from palpate.server.problems import problem
 from palpate.server.security.who import Who
 from palpate.store.episodes import StoredEpisode
-from palpate.store.listing_episodes import list_episodes
 from palpate.store.parts import Head, head_of
 
 __all__ = ["router"]
@@ -33,16 +32,7 @@ router = APIRouter(prefix="/episodes")
 @router.get("")
 def rows(request: Request, store: StoreOf, who: Who, query: Annotated[EpisodeQuery, Query()]) -> HTMLResponse:
     """A list of explorations."""
-    found = list_episodes(
-        store,
-        thing=query.object,
-        dataset=query.dataset,
-        since=query.since,
-        until=query.until,
-        viewer=who.viewer,
-        limit=query.limit,
-        cursor=query.cursor,
-    )
+    found = query.found(store, who.viewer)
     return page(request, "episodes.html", rows=found.rows, cursor=found.cursor, asked=query)
 
 
