@@ -25,33 +25,35 @@ def serve(
     port: Annotated[int, typer.Option(min=1, max=65535, help="Port to listen at.")] = 8000,
     workers: Annotated[int, typer.Option(min=1, help="Processes that answer.")] = 1,
     example: Annotated[bool, typer.Option("--example", help="Add the example data first.")] = False,
-    secure: Annotated[
-        bool, typer.Option("--secure", help="People reach it over TLS, by a proxy: tell browsers to insist on it.")
-    ] = False,
+    public: Annotated[
+        str | None, typer.Option(metavar="URL", help="Address by which people reach it, where a proxy passes them on.")
+    ] = None,
     log: Annotated[bool, typer.Option("--log", help="Print each request as a line of JSON to standard error.")] = False,
     rate: Annotated[
-        float | None, typer.Option(min=0.1, help="Requests a second from one address; 50 unless local.")
+        float | None,
+        typer.Option(min=0.1, help="Requests a second from one address; 50 unless only for this computer."),
     ] = None,
 ) -> None:
     """Serve the store as pages and as a web service, until interrupted."""
     check_installed()
     from palpate.cli.serving import ready_store, tell
-    from palpate.server.running import Address, local_key
+    from palpate.server.running import Address, PublicAddress, local_key
     from palpate.server.running import serve as run
     from palpate.server.settings import Settings
 
-    address = Address(host, port)
+    address, reached = Address(host, port), None if public is None else PublicAddress.of(public)
+    alone = address.is_local and reached is None
     ready_store(place, example=example)
     settings = Settings(
         place.place,
         place.blobs,
-        hosts=address.names,
-        key=local_key() if address.is_local else None,
-        requests_per_s=rate or (None if address.is_local else 50.0),
-        secure=secure,
+        hosts=address.names if reached is None else reached.names,
+        key=local_key() if alone else None,
+        requests_per_s=rate or (None if alone else 50.0),
+        secure=reached is not None and reached.is_secure,
         log_requests=log,
     )
-    tell(settings, address)
+    tell(settings, address if reached is None else reached)
     run(settings, address, workers=workers)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from palpate.cli.store_options import Place
 
 if TYPE_CHECKING:
-    from palpate.server.running import Address
+    from palpate.server.running import Address, PublicAddress
     from palpate.server.settings import Settings
 
 __all__ = ["ready_store", "tell"]
@@ -24,7 +24,7 @@ def ready_store(place: Place, *, example: bool) -> None:
             add_example(store)
 
 
-def tell(settings: Settings, address: Address) -> None:
+def tell(settings: Settings, address: Address | PublicAddress) -> None:
     """Say where it is."""
     print(f"Palpate is at {address.url}/ as the public sees it.", flush=True)
     if settings.key is not None:

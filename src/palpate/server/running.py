@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import os
+import re
 import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from tempfile import TemporaryDirectory
+from urllib.parse import SplitResult, urlsplit
 
 import uvicorn
 
+from palpate.errors import PalpateError
 from palpate.server.settings import Settings
 
-__all__ = ["Address", "local_key", "serve"]
+__all__ = ["Address", "PublicAddress", "local_key", "serve"]
 
+LOCAL_NAMES = ("127.0.0.1", "localhost", "[::1]")
+HOST = re.compile(r"[a-z0-9]([a-z0-9.-]*[a-z0-9])?|[0-9a-f:.]+")
 KEEP_ALIVE_S = 10
 GRACE_S = 20
 """How long answers may take that are under way when the server is told to stop."""
@@ -45,13 +51,65 @@ class Address:
     @property
     def names(self) -> tuple[str, ...]:
         """Names under which it is asked where it is local; none, which is any, where it is not."""
-        return ("127.0.0.1", "localhost", "[::1]") if self.is_local else ()
+        return LOCAL_NAMES if self.is_local else ()
 
     @property
     def url(self) -> str:
         """For people."""
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"http://{host}:{self.port}"
+
+
+@dataclass(frozen=True)
+class PublicAddress:
+    """Where people reach a server, when a proxy passes their requests on.
+
+    Attributes
+    ----------
+    url
+        ``http`` or ``https``, the name of a computer, and a port where it is not the usual one.
+
+    Examples
+    --------
+    >>> lab = PublicAddress.of("https://Touch.Example.org/")
+    >>> lab.url, lab.names[0], lab.is_secure
+    ('https://touch.example.org', 'touch.example.org', True)
+    >>> PublicAddress.of("touch.example.org")
+    Traceback (most recent call last):
+    palpate.errors.PalpateError: --public: found 'touch.example.org', expected an address such as https://touch.example.org
+    """
+
+    url: str
+
+    @classmethod
+    def of(cls, text: str) -> PublicAddress:
+        """Read an address; raises `palpate.errors.PalpateError` where it is none."""
+        parts = _parts(text)
+        if parts is None or parts.scheme not in ("http", "https"):
+            raise PalpateError(f"--public: found {text!r}, expected an address such as https://touch.example.org")
+        if parts.path.strip("/") or parts.query or parts.fragment or parts.username is not None:
+            raise PalpateError(f"--public: found {text!r}, expected no more than {parts.scheme}://{parts.hostname}")
+        return cls(f"{parts.scheme}://{parts.netloc.lower()}")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names under which the server is asked: its own, and local ones, by which its health is asked."""
+        host = urlsplit(self.url).hostname or ""
+        return (f"[{host}]" if ":" in host else host, *LOCAL_NAMES)
+
+    @property
+    def is_secure(self) -> bool:
+        """Whether people reach it over TLS."""
+        return self.url.startswith("https:")
+
+
+def _parts(text: str) -> SplitResult | None:
+    """The parts of an address with the name of a computer; None where it has none, or no port that is one."""
+    try:
+        parts = urlsplit(text)
+        return parts if HOST.fullmatch(parts.hostname or "") and parts.port != 0 else None
+    except ValueError:
+        return None
 
 
 def local_key() -> str:
