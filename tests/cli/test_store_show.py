@@ -122,6 +122,31 @@ def test_one_recording_fits_a_terminal(terminal: Any, place: Path) -> None:
         assert "".join(told.split()) in letters
 
 
+@pytest.fixture
+def well_told(place: Path) -> None:
+    """A recording with a device that has many parameters."""
+    arm = Device("arm", "gen3", "palpate", {f"joint_{number:02}_limit_nm": 39.0 for number in range(30)})
+    with open_store(place) as store:
+        store.put(squeeze(3, id=UUID("99999999-0000-4000-8000-000000000003"), setup=Setup(arm=arm)))
+
+
+def test_a_device_with_much_to_tell_fills_a_terminal(terminal: Any, well_told: None) -> None:
+    """In 80 columns it has the whole width and not a column of words."""
+    lines = terminal("store", "show", "99999999")
+    assert max(map(len, lines)) <= 80
+    start = lines.index("arm  gen3 by palpate") + 1
+    told = [line.rstrip() for line in lines[start : start + 10]]
+    assert min(map(len, told)) > 50
+    assert " ".join(" ".join(told).split()).startswith("joint_00_limit_nm 39.0, joint_01_limit_nm 39.0, joint_02")
+
+
+def test_a_device_with_much_to_tell_is_a_line_in_a_pipe(run: Any, well_told: None) -> None:
+    """For programs that read lines."""
+    (row,) = [line for line in run("store", "show", "99999999").out.splitlines() if line.startswith("arm ")]
+    assert "joint_00_limit_nm 39.0" in row
+    assert "joint_29_limit_nm 39.0" in row
+
+
 def test_one_recording_as_json_is_json(run: Any, terminal: Any, place: Path) -> None:
     """It can be read by a program, in a pipe and from a terminal of 80 columns."""
     found = json.loads(run("store", "show", WHOLE.id, "--json").out)

@@ -18,6 +18,8 @@ def test_a_number_keeps_its_significant_digits(value: float, digits: int) -> Non
         (Label("mug"), "mug"),
         (Reading(118.0), "118 g"),
         (Reading(0.118, unit="kg"), "0.118 kg"),
+        (Reading(66.31, 0.7987), "66.3 ± 0.80 g"),
+        (Reading(0.118, 0.006, "kg"), "0.118 ± 0.0060 kg"),
         (Above(95.0), "above 95.0 g"),
         (Below(5.0), "below 5.00 g"),
         (Likelihood({"glass": 0.25, "wood": 1.0}), "likelihood: wood 1.0, glass 0.25"),

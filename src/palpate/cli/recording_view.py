@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Group, RenderableType
+from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
+from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
 from palpate.cli.store_view import entry_words
-from palpate.cli.terminal import bullets, folding_table
+from palpate.cli.terminal import ENDLESS, bullets, folding_table
 from palpate.figures.wording import number, plural
 from palpate.store.content import setup_plain, thing_plain
 
 if TYPE_CHECKING:
-    from palpate.store.records import Channel, Pose, Recording, Setup, ThingRef
+    from palpate.store.records import Channel, Device, Pose, Recording, Setup, ThingRef
 
 __all__ = ["recording_json", "recording_view"]
 
@@ -115,13 +117,36 @@ def _files(recording: Recording) -> Table | None:
 
 
 def _devices(setup: Setup) -> RenderableType:
-    if not setup.devices:
-        return Text("none stated")
-    table = folding_table("kind", "device", "maker", "parameters", "calibration")
-    for device in setup.devices:
-        calibration = " ".join(filter(None, (device.calibrated_on, _words(device.calibration))))
-        table.add_row(device.kind, device.name, device.maker or "", _words(device.parameters), calibration)
-    return table
+    return _Devices(setup.devices) if setup.devices else Text("none stated")
+
+
+@dataclass(frozen=True)
+class _Devices:
+    """The devices of a setup: a table where a row is a line, else one below the other, each as wide as there is room.
+
+    Parameters of simulated devices are many, and in a column of a narrow table a word would be a line.
+    """
+
+    devices: Sequence[Device]
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        """Lay the devices out for the width there is."""
+        table = folding_table("kind", "device", "maker", "parameters", "calibration")
+        for device in self.devices:
+            table.add_row(device.kind, device.name, device.maker or "", _words(device.parameters), _calibrated(device))
+        if console.measure(table, options=options.update(max_width=ENDLESS)).maximum <= options.max_width:
+            yield table
+            return
+        for device in self.devices:
+            maker = f" by {device.maker}" if device.maker else ""
+            yield Text.assemble(f"{device.kind}  ", (device.name, "bold"), maker, overflow="fold")
+            for title, told in (("", _words(device.parameters)), ("calibration ", _calibrated(device))):
+                if told:
+                    yield Padding(Text(f"{title}{told}", overflow="fold"), (0, 0, 0, 2))
+
+
+def _calibrated(device: Device) -> str:
+    return " ".join(filter(None, (device.calibrated_on, _words(device.calibration))))
 
 
 def _poses(recording: Recording) -> Table | None:

@@ -10,7 +10,7 @@ from rich.console import Console, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-__all__ = ["bullets", "console", "error_console", "folding_table", "is_terminal", "print_whole"]
+__all__ = ["ENDLESS", "bullets", "console", "error_console", "folding_table", "is_terminal", "print_whole"]
 
 ENDLESS = 1_000_000
 """Characters in a line where nobody looks at it."""

@@ -30,7 +30,7 @@ def number(value: float | None, digits: int = 3) -> str:
 
 
 def outcome_words(outcome: Outcome, unit: str = "") -> str:
-    """Say what an action returned.
+    """Say what an action returned, a reading with its own SD where it has one.
 
     Parameters
     ----------
@@ -39,8 +39,8 @@ def outcome_words(outcome: Outcome, unit: str = "") -> str:
 
     Examples
     --------
-    >>> outcome_words(Reading(118.0), "g")
-    '118 g'
+    >>> outcome_words(Reading(118.0), "g"), outcome_words(Reading(118.0, 5.3), "g")
+    ('118 g', '118 ± 5.3 g')
     >>> outcome_words(Posterior({"kettle": 0.576, "fruit": 0.3, "mug": 0.124}))
     'posterior: kettle 0.58, fruit 0.30, ...'
     """
@@ -51,8 +51,9 @@ def outcome_words(outcome: Outcome, unit: str = "") -> str:
             return f"likelihood: {_top(values)}"
         case Posterior(probabilities):
             return f"posterior: {_top(probabilities)}"
-        case Reading(value, unit=own):
-            return f"{number(value)} {own or unit}".rstrip()
+        case Reading(value, sd, own):
+            spread = "" if sd is None else f" ± {number(sd, 2)}"
+            return f"{number(value)}{spread} {own or unit}".rstrip()
         case Above(bound, unit=own):
             return f"above {number(bound)} {own or unit}".rstrip()
         case Below(bound, unit=own):
