@@ -14,6 +14,7 @@ if find_spec("mujoco") is None:
 
 from palpate.episode import read_episode
 from palpate.network.reading import load_network
+from palpate.network.sensors import NumberSensor
 from palpate.recording import Spool
 from palpate.robots.mujoco import camera
 from palpate.robots.mujoco.estimates import estimates
@@ -72,6 +73,23 @@ def test_an_exploration_is_recorded_with_all_signals(run: Any, tmp_path: Path) -
     curves = run("store", "curves", *kept, "--gripper", "simulated_2f85", "--output", tmp_path / "curves.npz")
     # seven torques and angles, seven torques of the empty arm, and the gripper in both actions
     assert f"{7 + 7 + 7 + 4 + 4} channels" in curves.out
+
+
+def test_sensors_are_calibrated_from_what_the_bench_recorded(run: Any, tmp_path: Path) -> None:
+    """The store knows what is true of simulated objects, so recordings made on the bench are enough."""
+    store, network = ("--store", tmp_path / "store.sqlite"), tmp_path / "own.toml"
+    weighing = ("--policy", "fixed:weighing", "--repeat", "--steps", 2, "--record")
+    for thing in ("ceramic_mug", "banana_ycb", "wineglass"):
+        ran = run("explore", thing, *BENCH, *weighing, *store)
+        assert ran.code == 0, ran.err
+    shown = run("store", "object", "show", "banana_ycb", *store).out
+    assert "looks_like: banana" in shown
+    assert re.search(r"mass\s+66\.0 g\s+the simulation", shown)
+    ran = run("calibrate", "--like", "household", *store, "-o", network, "--folds", 0)
+    assert ran.code == 0, ran.err
+    sensor = load_network(network).actions["weighing"].sensor
+    assert isinstance(sensor, NumberSensor)
+    assert sensor.sd < 6
 
 
 def test_noise_is_what_was_asked_for(run: Any, tmp_path: Path) -> None:

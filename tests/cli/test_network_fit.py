@@ -98,7 +98,7 @@ REFUSED = {
     "count": ((*CSV, "--pseudo-count", "0"), "pseudo-count: found 0; expected a number above 0"),
     "keep": ((*CSV, "--keep", "wiegh"), "palpate: --keep: found 'wiegh' (did you mean 'weigh'?)"),
     "folds": ((*CSV, "--folds", "1"), "--folds: found 1, expected 2 at least, or 0 for no scores"),
-    "empty": (("--csv", "empty.csv"), "found 0 objects that say nothing of the network"),
+    "empty": (("--csv", "empty.csv"), "found 0 objects, from which nothing of the network can be estimated"),
 }
 
 

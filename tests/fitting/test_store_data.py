@@ -22,7 +22,7 @@ from palpate.store.merging import merge_things
 from palpate.store.opening import open_store
 from palpate.store.records import Device, Recording, Setup, ThingRef
 from palpate.store.store import Store
-from tests.fitting.made_up import START, drawn, fill, network_of, recordings_of
+from tests.fitting.made_up import START, WORKSHOP, drawn, fill, network_of, recordings_of
 
 MUG = ThingRef("lab", "mug")
 NONE = Setup()
@@ -201,5 +201,22 @@ def test_a_filter_is_about_readings(store: Store, network: Network) -> None:
 def test_a_store_that_knows_nothing(store: Store, network: Network) -> None:
     """Without known properties there is nothing to learn from, and the error says what would be."""
     put(store, Value("mass", 20.0, unit="g"))
-    with pytest.raises(FittingError, match="found no known properties of any object; expected recordings marked as"):
+    told = "found no known properties of any object; expected recordings marked as .*palpate store object know OBJECT"
+    with pytest.raises(FittingError, match=told):
         read_store(store, network)
+
+
+def test_what_a_camera_saw_of_a_trick_is_left_out(store: Store, tmp_path: Path) -> None:
+    """It saw what the object looks like, and so says nothing of the object; other actions count."""
+    text = WORKSHOP.replace("[actions.look]", "[actions.look]\nsees_appearance = true")
+    network, trick = network_of(tmp_path, text), ThingRef("lab", "trick", attributes={"looks_like": "nut"})
+    for thing in (MUG, trick):
+        put(store, Distribution("kind", {"bolt": 1.0}), true=True, thing=thing)
+        put(store, Distribution("kind", {"nut": 1.0}), action="look", thing=thing)
+        put(store, Value("mass", 20.0, unit="g"), thing=thing)
+    data = read_store(store, network)
+    assert {one.name: set(one.readings) for one in data.specimens} == {
+        "lab/mug": {"look", "weigh"},
+        "lab/trick": {"weigh"},
+    }
+    assert "look: lab/trick looks like nut; left out" in data.notices

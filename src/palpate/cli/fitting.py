@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from palpate.cli.fit_data import DataFrom
 from palpate.cli.fit_options import How
-from palpate.errors import PalpateError
+from palpate.errors import PalpateError, plural
 
 if TYPE_CHECKING:
     from palpate.fitting.data import Data
@@ -81,8 +81,9 @@ def fit_network(like: str, data_from: DataFrom, output: Path, how: How, *, force
     fitted = fit(template, data.specimens, settings)
     if not fitted.estimated:
         raise PalpateError(
-            f"{' '.join(part.command)}: found {len(data.specimens)} objects that say nothing of the network; expected "
-            "objects with known properties and the states of their parents, or readings of these properties"
+            f"{' '.join(part.command)}: found {plural(len(data.specimens), 'object')}, from which nothing of the "
+            "network can be estimated; expected more of them, with known properties and the states of their parents, "
+            "or readings of these properties"
         )
     scores = _scores(template, data, settings, folds) if folds else {}
     words = ["palpate", *part.command, "--like", like, *data_from.words, "--pseudo-count", f"{how.pseudo_count:g}"]

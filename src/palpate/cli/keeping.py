@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from palpate.cli.store_options import Place
     from palpate.episode.keeping import KeptEpisode
     from palpate.recording import About
-    from palpate.store.records import Setup
+    from palpate.store.records import Setup, ThingRef
+    from palpate.store.store import Store
 
 __all__ = ["Kept", "keeping"]
 
@@ -49,15 +50,15 @@ def keeping(asked: Asked, place: Place, ready: Ready) -> Iterator[Kept]:
     check_installed()
     from palpate.episode.keeping import KeptEpisode
     from palpate.robots.recorded import RecordedRobot
-    from palpate.store.records import ThingRef
 
     origin = _origin(asked, ready)
     with place.opened(make=True) as store:
+        thing = _known_thing(store, origin, ready)
         robot = RecordedRobot(
             ready.robot,
             ready.prior.network,
             store,
-            thing=ThingRef(origin.dataset, ready.about.object or "unnamed"),
+            thing=thing,
             setup=origin.setup,
             about=origin.about,
             notices=[origin.notice],
@@ -77,6 +78,20 @@ class _Origin:
     notice: str
     setup: Setup
     about: About | None = None
+    is_simulated: bool = True
+
+
+def _known_thing(store: Store, origin: _Origin, ready: Ready) -> ThingRef:
+    """The object, of which the store knows what is true where it is simulated."""
+    from palpate.cli.knowing import who_of
+    from palpate.robots.simulated_truth import simulated_thing, tell_truth
+    from palpate.store.records import ThingRef
+
+    if ready.known is None or not origin.is_simulated:
+        return ThingRef(origin.dataset, ready.about.object or "unnamed")
+    thing = simulated_thing(origin.dataset, ready.known)
+    tell_truth(store, thing, ready.known, ready.prior.network, who=who_of(None))
+    return thing
 
 
 def _origin(asked: Asked, ready: Ready) -> _Origin:
@@ -88,7 +103,8 @@ def _origin(asked: Asked, ready: Ready) -> _Origin:
     told = {"source": ready.source} if replays else {"network": network.name, "digest": digest(network)}
     device = Device("other", f"{ready.about.robot} robot", maker="palpate", parameters=told)
     dataset, verb = ("replayed", "replayed from") if replays else ("simulated", "drawn from")
-    return _Origin(dataset, f"{verb} {ready.source}, not measured", Setup(other=(device,)))
+    notice = f"{verb} {ready.source}, not measured"
+    return _Origin(dataset, notice, Setup(other=(device,)), is_simulated=not replays)
 
 
 def _bench_origin(ready: Ready) -> _Origin:

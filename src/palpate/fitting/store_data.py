@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from datetime import timedelta
 from hashlib import sha256
@@ -18,6 +19,7 @@ from palpate.fitting.known import known_properties, truth_of
 from palpate.network.admission import admit
 from palpate.network.model import Network
 from palpate.outcomes import Above, Below, Failed, Label, Outcome, Reading
+from palpate.robots.simulated_truth import LOOKS_LIKE
 from palpate.store import schema
 from palpate.store.content import entry_plain, to_json
 from palpate.store.filters import Filter
@@ -33,7 +35,8 @@ def read_store(store: Store, network: Network, wanted: Filter | None = None) -> 
 
     What is known of objects is the truth; recordings marked as ground truth are part of it. All other recordings of
     actions that the network has are readings of their sensors. Of a distribution over labels the most probable label
-    counts, as sensor models are about labels. What cannot be used is told in the notices.
+    counts, as sensor models are about labels. What an action that sees the appearance gave on an object whose attribute
+    ``looks_like`` names another one is left out: it saw the other one. What cannot be used is told in the notices.
 
     Parameters
     ----------
@@ -46,7 +49,7 @@ def read_store(store: Store, network: Network, wanted: Filter | None = None) -> 
         Nothing is known of any object.
     """
     gathered, hashed = Gathered(network), sha256()
-    names, wanted = _names(store), wanted or Filter()
+    names, look_like, wanted = _names(store), _look_like(store), wanted or Filter()
     known = [one for one in known_properties(store) if _of_dataset(names[one.thing], wanted)]
     for line in sorted(f"{names[one.thing]}\n{to_json(entry_plain(one.entry))}\n" for one in known):
         hashed.update(line.encode())
@@ -54,12 +57,15 @@ def read_store(store: Store, network: Network, wanted: Filter | None = None) -> 
     if not truth:
         raise FittingError(
             f"store {store.engine.url!r}: found no known properties of any object; expected recordings marked as "
-            "ground truth, or objects with known properties"
+            "ground truth, or objects with known properties, as told by: palpate store object know OBJECT PROPERTY "
+            "VALUE --source WHERE"
         )
     for thing, values in sorted(truth.items(), key=lambda item: names[item[0]]):
         gathered.know(names[thing], values)
     recordings, moments = set(), []
     for row in _readings(store, wanted):
+        if _sees_another(gathered, row, names, look_like):
+            continue
         if _take(gathered, row, names):
             recordings.add(row.digest)
             moments.append(row.recorded_us)
@@ -85,6 +91,26 @@ def _names(store: Store) -> dict[int, str]:
         rows = connection.execute(select(things.id, things.dataset, things.name, things.merged_into)).all()
     own = {row.id: f"{row.dataset}/{row.name}" for row in rows}
     return {row.id: own[row.merged_into or row.id] for row in rows}
+
+
+def _look_like(store: Store) -> dict[int, str]:
+    """What each object that looks like another one looks like, by its row."""
+    things = schema.things.c
+    with reading(store.engine) as connection:
+        rows = connection.execute(select(things.id, things.attributes)).all()
+    found = {row.id: json.loads(row.attributes).get(LOOKS_LIKE) for row in rows}
+    return {row: str(other) for row, other in found.items() if other}
+
+
+def _sees_another(
+    gathered: Gathered, row: Row[*tuple[Any, ...]], names: dict[int, str], look_like: dict[int, str]
+) -> bool:
+    """Whether a row is of an action that saw what the object looks like, and not what it is; that is told."""
+    action = gathered.network.actions.get(row.action)
+    if action is None or not action.sees_appearance or row.thing_id not in look_like:
+        return False
+    gathered.tell(f"{row.action}: {names[row.thing_id]} looks like {look_like[row.thing_id]}; left out")
+    return True
 
 
 def _of_dataset(name: str, wanted: Filter) -> bool:
