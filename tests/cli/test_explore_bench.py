@@ -18,6 +18,7 @@ from palpate.network.sensors import NumberSensor
 from palpate.recording import Spool
 from palpate.robots.mujoco import camera
 from palpate.robots.mujoco.estimates import estimates
+from palpate.robots.mujoco.reading import SHIPPED
 from palpate.robots.recorded_signals import estimated_again
 from palpate.store.opening import open_store
 from palpate.summary import ContinuousSummary
@@ -92,6 +93,20 @@ def test_sensors_are_calibrated_from_what_the_bench_recorded(run: Any, tmp_path:
     assert sensor.sd < 6
 
 
+def test_own_objects_have_their_own_shapes(run: Any, tmp_path: Path) -> None:
+    """A file of shapes takes the place of the one that ships, and is named where it lacks the object."""
+    text = SHIPPED.read_text(encoding="utf-8")
+    shapes, log = tmp_path / "shapes.toml", tmp_path / "log.jsonl"
+    shapes.write_text(text.replace("size_mm = [190, 36, 64]", "size_mm = [150, 36, 64]"), encoding="utf-8")
+    arguments = ("--policy", "fixed:weighing", "--steps", 1, "--log", log, "--shapes", shapes)
+    ran = run("explore", "banana", *BENCH, *arguments)
+    assert ran.code == 0, ran.err
+    assert read_episode(log).steps[0].outcome.value == pytest.approx(120, abs=20)  # type: ignore[union-attr]
+    shapes.write_text(text.replace("objects.banana", "objects.melon"), encoding="utf-8")
+    refused = run("explore", "banana", *BENCH, *arguments).refused
+    assert f"{shapes}: no shape of object 'banana' was found: choose from" in refused
+
+
 def test_noise_is_what_was_asked_for(run: Any, tmp_path: Path) -> None:
     """Without noise a weighing is right to a gram; a grasp that surely misses is a failed step."""
     log = tmp_path / "log.jsonl"
@@ -110,6 +125,13 @@ def test_noise_is_what_was_asked_for(run: Any, tmp_path: Path) -> None:
         (("soft_yelow_sponge", *BENCH), r"unknown object 'soft_yelow_sponge' \(did you mean 'soft_yellow_sponge'\?\)"),
         (BENCH, "no OBJECT was found; choose from 'banana'"),
         (("banana", *BENCH, "--noise", "grasp_ofset_mm=1"), r"--noise: unknown name .* \(did you mean 'grasp_offset"),
+        (
+            ("ripe_avocado", "--network", "pantry", *BENCH),
+            r"palpate: the bench's own objects: no shape of object 'ripe_avocado' was found: choose from 'banana', .*"
+            r", or name a file that has its shape \(palpate explore --shapes FILE\)",
+        ),
+        (("banana", "--shapes", "own.toml"), "--shapes is only for --robot mujoco, and the robot is sampled"),
+        (("banana", *BENCH, "--shapes", "nowhere.toml"), "nowhere.toml cannot be read as TOML"),
         (("banana", *BENCH, "--noise", "loud"), "--noise: 'loud' was found, expected NAME=VALUE or none"),
         (("banana", *BENCH, "--noise", "force_sd_n=-1"), "--noise force_sd_n: '-1' was found, expected a finite"),
         (("banana", *BENCH, "--noise", "slip_probability=2"), "slip_probability 2.0 was found, expected 0 to 1"),
@@ -153,7 +175,7 @@ def test_a_robot_that_looks_needs_a_way_to_draw(run: Any, monkeypatch: pytest.Mo
     def broken(*_: object) -> None:
         raise RuntimeError("no library for it")
 
-    monkeypatch.setattr(f"{estimates.__module__}.estimates", lambda network: {"cat-vision": broken})
+    monkeypatch.setattr(f"{estimates.__module__}.estimates", lambda network, path: {"cat-vision": broken})
     monkeypatch.setattr("mujoco.Renderer", broken)
     told = run("explore", "banana", *BENCH).refused
     assert "cannot draw here (no library for it): set MUJOCO_GL to egl or osmesa" in told

@@ -108,6 +108,14 @@ class Asked:
             rich_help_panel=ROBOT,
         ),
     ] = None
+    shapes: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Shapes and looks of the network's objects on the bench (default: those that ship).",
+            rich_help_panel=ROBOT,
+        ),
+    ] = None
     timeout_s: Annotated[
         float | None,
         typer.Option("--timeout", help="Longest time an action may take, in seconds.", rich_help_panel=ROBOT),

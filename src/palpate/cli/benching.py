@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import fields, replace
 from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,20 +24,27 @@ __all__ = ["bench_in_use", "bench_robot", "check_installed", "noise_of"]
 NONE = "none"
 
 
-def bench_robot(network: Network, thing: str, noise: Iterable[str], rng: np.random.Generator) -> MujocoRobot:
+def bench_robot(
+    network: Network, thing: str, noise: Iterable[str], rng: np.random.Generator, shapes: Path | None = None
+) -> MujocoRobot:
     """A robot on the bench with an object of a network on the table; to be closed.
 
     Parameters
     ----------
     noise
         ``--noise``.
+    shapes
+        ``--shapes``; the file that ships unless given.
     """
     check_installed()
     from palpate.robots.mujoco.estimates import estimates
+    from palpate.robots.mujoco.reading import SHIPPED
     from palpate.robots.mujoco.robot import MujocoRobot
 
     network.object(thing)
-    return MujocoRobot.of(network, thing, estimates(network), noise=noise_of(noise), rng=rng)
+    path = shapes if shapes is not None else SHIPPED
+    found = estimates(network, path=path)
+    return MujocoRobot.of(network, thing, found, noise=noise_of(noise), rng=rng, path=path)
 
 
 @contextmanager

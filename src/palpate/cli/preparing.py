@@ -101,9 +101,9 @@ def _check(asked: Asked, place: Place) -> None:
             f"--policy {asked.policy} looks ahead, which needs --engine exact, and {asked.engine} was found"
         )
     if asked.robot is not RobotKind.MUJOCO:
-        for option, given in (("--noise", asked.noise), ("--video", asked.video), ("--viewer", asked.viewer)):
-            if given:
-                raise PalpateError(f"{option} is only for --robot mujoco, and the robot is {asked.robot.value}")
+        for option in ("noise", "shapes", "video", "viewer"):
+            if getattr(asked, option):
+                raise PalpateError(f"--{option} is only for --robot mujoco, and the robot is {asked.robot.value}")
     in_store = asked.session is not None and is_in_store(asked.session)
     if (place.place or place.blobs) and not (asked.record or in_store):
         raise PalpateError("--store and --blobs are for --record and --session store, and neither was found")
@@ -156,5 +156,5 @@ def _on_bench(asked: Asked, thing: str, network: Network, rng: np.random.Generat
 
     if asked.timeout_s is not None:
         raise PalpateError("--timeout is not for --robot mujoco: its actions end by themselves")
-    robot = bench_robot(network, thing, asked.noise or (), rng)
+    robot = bench_robot(network, thing, asked.noise or (), rng, asked.shapes)
     return Source(robot, thing, "the bench in physics", using=bench_in_use(robot, network))

@@ -137,7 +137,12 @@ class Eyes:
 
 
 def estimates(
-    network: Network, *, hand: Hand | None = None, ears: Ears | MelEars | None = None, eyes: Eyes | None = None
+    network: Network,
+    *,
+    hand: Hand | None = None,
+    ears: Ears | MelEars | None = None,
+    eyes: Eyes | None = None,
+    path: str | Path = SHIPPED,
 ) -> dict[str, Callable[..., Outcome]]:
     """What makes outcomes of the signals of each action that the bench can do for a network.
 
@@ -148,6 +153,8 @@ def estimates(
     ears, eyes
         For sounds and images; with the models that ship unless given, for actions whose property has all of their
         labels as states. Other actions that need them are left out.
+    path
+        File of shapes and looks; it tells what the properties are called.
 
     Raises
     ------
@@ -164,7 +171,7 @@ def estimates(
     """
     hand = hand or Hand()
     found: dict[str, Callable[..., Outcome]] = {}
-    for action, deed in repertoire(network, read_roles(SHIPPED)).items():
+    for action, deed in repertoire(network, read_roles(path)).items():
         if deed is weighing.weigh:
             found[action] = hand.mass
         elif deed is squeezing.squeeze:

@@ -97,7 +97,8 @@ class _Document:
     """The file, with errors that say where."""
 
     def __init__(self, path: Path) -> None:
-        self.where = str(path)
+        # where a package is installed is of no interest
+        self.where = "the bench's own objects" if path == SHIPPED else str(path)
         try:
             self._content = tomllib.loads(path.read_text(encoding="utf-8"))
         except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
@@ -110,7 +111,10 @@ class _Document:
         for name in (known.name, known.looks_like):
             if name in objects:
                 return dict(objects[name])
-        raise BenchError(f"{self.where}: no shape of object {known.name!r} was found: {choices(objects)}")
+        raise BenchError(
+            f"{self.where}: no shape of object {known.name!r} was found{near(known.name, objects)}: {choices(objects)}"
+            ", or name a file that has its shape (palpate explore --shapes FILE)"
+        )
 
     def roles(self) -> dict[str, str]:
         return {**{role: role for role in ROLES}, **self._table("properties")}
