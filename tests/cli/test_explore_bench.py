@@ -1,6 +1,9 @@
 import json
+import os
 import re
+import subprocess
 import sys
+from ctypes.util import find_library
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -178,4 +181,29 @@ def test_a_robot_that_looks_needs_a_way_to_draw(run: Any, monkeypatch: pytest.Mo
     monkeypatch.setattr(f"{estimates.__module__}.estimates", lambda network, path: {"cat-vision": broken})
     monkeypatch.setattr("mujoco.Renderer", broken)
     told = run("explore", "banana", *BENCH).refused
-    assert "cannot draw here (no library for it): set MUJOCO_GL to egl or osmesa" in told
+    assert "cannot draw here (no library for it): install Mesa's EGL or OSMesa" in told
+    assert "only actions that look, --video and --rerun need it" in told
+
+
+@pytest.mark.parametrize("library", ["disabled", "osmesa"])
+def test_without_graphics_a_robot_that_does_not_look_explores(tmp_path: Path, library: str) -> None:
+    """Where MuJoCo can draw nothing a fixed order without looking goes on; a library that is missing is named."""
+    if library == "osmesa" and any(map(find_library, ("OSMesa", "libOSMesa"))):
+        pytest.skip("OSMesa is installed")
+    command = [sys.executable, "-m", "palpate", "explore", "banana", *map(str, BENCH), "--steps", "1", "--policy"]
+    # set by MuJoCo where this process draws
+    environment = {name: value for name, value in os.environ.items() if name != "PYOPENGL_PLATFORM"}
+    environment["MUJOCO_GL"] = library
+
+    def ran(policy: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([*command, policy], env=environment, capture_output=True, text=True, check=False)
+
+    weighed, looked = ran("fixed:weighing"), ran("fixed:cat-vision")
+    assert looked.returncode == 2
+    assert looked.stderr.count("\n") == 1
+    if library == "disabled":
+        assert (weighed.returncode, weighed.stderr) == (0, "")
+        assert "cannot draw here (no graphics library was found): install Mesa's EGL" in looked.stderr
+    else:
+        assert "MuJoCo cannot be imported with MUJOCO_GL=osmesa" in looked.stderr
+        assert looked.stderr == weighed.stderr

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import fields, replace
@@ -14,6 +15,7 @@ import numpy as np
 from palpate.cli.options import number_of
 from palpate.errors import PalpateError, choices, near
 from palpate.network.model import Network
+from palpate.selection.policies import FixedOrder, Policy
 
 if TYPE_CHECKING:
     from palpate.robots.mujoco.noise import BenchNoise
@@ -48,10 +50,11 @@ def bench_robot(
 
 
 @contextmanager
-def bench_in_use(robot: MujocoRobot, network: Network) -> Iterator[None]:
-    """Refuse a robot that looks where nothing can be drawn, before anything is done; let go of it afterwards."""
+def bench_in_use(robot: MujocoRobot, network: Network, policy: Policy) -> Iterator[None]:
+    """Refuse a robot that may look where nothing can be drawn, before anything is done; let go of it afterwards."""
+    chosen = policy.order if isinstance(policy, FixedOrder) else robot.actions()
     with robot:
-        if any(network.action(action).sees_appearance for action in robot.actions()):
+        if any(network.action(action).sees_appearance for action in chosen if action in robot.actions()):
             robot.bench.camera.image()
         yield
 
@@ -78,3 +81,14 @@ def check_installed() -> None:
     """Say what is missing where the package was installed without what the bench needs."""
     if find_spec("mujoco") is None:
         raise PalpateError('--robot mujoco needs mujoco, which is not installed: pip install "palpate[bench]"')
+    from palpate.robots import mujoco as bench
+
+    try:
+        import mujoco  # noqa: F401
+    # each graphics library has errors of its own, down to missing functions
+    except (ImportError, OSError, RuntimeError, AttributeError) as error:
+        drawn = os.environ.get("MUJOCO_GL", "")
+        raise PalpateError(
+            f"--robot mujoco: MuJoCo cannot be imported with MUJOCO_GL={drawn} ({error}), expected a graphics library "
+            f"that is installed ({', '.join(dict.fromkeys(bench.LIBRARIES.values()))}), or MUJOCO_GL=disabled"
+        ) from error

@@ -69,11 +69,11 @@ def prepare(asked: Asked, place: Place) -> Ready:
     _check(asked, place)
     seed = secrets.randbelow(2**32) if asked.seed is None else asked.seed
     of_policy, of_robot = np.random.default_rng(seed).spawn(2)
-    source = _source(asked, network, of_robot, place)
+    policy = options.policy(network, asked.policy)
+    source = _source(asked, network, policy, of_robot, place)
     check_robot(network, source.robot)
     objective = options.objective(network, asked.learn or ())
     costs_s = options.costs(network, asked.costs or ())
-    policy = options.policy(network, asked.policy)
     return Ready(
         prior=prior_belief(asked.engine, network, asked.preset, seed),
         robot=source.robot,
@@ -136,7 +136,7 @@ def _stopping_words(asked: Asked) -> str:
     return options.stopping_words(asked.stop or (), asked.budget_s, asked.steps)
 
 
-def _source(asked: Asked, network: Network, rng: np.random.Generator, place: Place) -> Source:
+def _source(asked: Asked, network: Network, policy: Policy, rng: np.random.Generator, place: Place) -> Source:
     """Who does the actions, as ``--robot`` says."""
     if asked.replay:
         return replayed(asked.session, asked.thing, network, place)
@@ -145,16 +145,16 @@ def _source(asked: Asked, network: Network, rng: np.random.Generator, place: Pla
     if asked.thing is None:
         raise PalpateError(f"no OBJECT was found; {choices(network.objects)}")
     if asked.robot is RobotKind.MUJOCO:
-        return _on_bench(asked, asked.thing, network, rng)
+        return _on_bench(asked, asked.thing, network, policy, rng)
     robot = SampledRobot(network, asked.thing, rng)
     return Source(robot, asked.thing, f"the sensor models of the network {network.name}")
 
 
-def _on_bench(asked: Asked, thing: str, network: Network, rng: np.random.Generator) -> Source:
+def _on_bench(asked: Asked, thing: str, network: Network, policy: Policy, rng: np.random.Generator) -> Source:
     """The robot in physics."""
     from palpate.cli.benching import bench_in_use, bench_robot
 
     if asked.timeout_s is not None:
         raise PalpateError("--timeout is not for --robot mujoco: its actions end by themselves")
     robot = bench_robot(network, thing, asked.noise or (), rng, asked.shapes)
-    return Source(robot, thing, "the bench in physics", using=bench_in_use(robot, network))
+    return Source(robot, thing, "the bench in physics", using=bench_in_use(robot, network, policy))

@@ -78,7 +78,7 @@ def test_where_nothing_can_be_drawn_the_error_says_what_to_do(monkeypatch) -> No
         raise mujoco.FatalError("no context")
 
     monkeypatch.setattr(mujoco, "Renderer", fail)
-    with Camera(Scene(None)) as camera, pytest.raises(BenchError, match="set MUJOCO_GL to egl or osmesa"):
+    with Camera(Scene(None)) as camera, pytest.raises(BenchError, match="install Mesa's EGL or OSMesa"):
         camera.image()
 
 

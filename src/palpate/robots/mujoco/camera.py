@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Self
 
 import mujoco
@@ -65,8 +66,10 @@ class Camera:
                 self._renderer = mujoco.Renderer(self._scene.model, height, width)
             # each graphics library has errors of its own, down to missing functions
             except (mujoco.FatalError, RuntimeError, ImportError, AttributeError) as error:
+                found = "no graphics library was found" if os.environ.get("MUJOCO_GL") == "disabled" else error
                 raise BenchError(
-                    f"the bench's camera cannot draw here ({error}): set MUJOCO_GL to egl or osmesa before MuJoCo is "
-                    "imported, with Mesa's library for it installed"
+                    f"the bench's camera cannot draw here ({found}): install Mesa's EGL or OSMesa (on Debian and "
+                    "Ubuntu apt-get install libegl1 or libosmesa6; MUJOCO_GL=egl or osmesa chooses); only actions that "
+                    "look, --video and --rerun need it"
                 ) from error
         return self._renderer
