@@ -11,6 +11,7 @@ __all__ = [
     "NetworkError",
     "PalpateError",
     "choices",
+    "extra",
     "near",
     "plural",
 ]
@@ -45,6 +46,17 @@ def choices(names: Iterable[str]) -> str:
     "choose from 'mug', 'box'"
     """
     return "choose from " + ", ".join(repr(name) for name in names)
+
+
+def extra(name: str) -> str:
+    """Return how an extra is installed, as the end of an error message.
+
+    Examples
+    --------
+    >>> extra("video")
+    'pip install "palpate[video]" (in a clone: .venv/bin/pip install -e ".[video]")'
+    """
+    return f'pip install "palpate[{name}]" (in a clone: .venv/bin/pip install -e ".[{name}]")'
 
 
 def near(found: object, names: Iterable[str]) -> str:

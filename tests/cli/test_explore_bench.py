@@ -153,7 +153,8 @@ def test_a_missing_package_is_named(run: Any, monkeypatch: pytest.MonkeyPatch) -
     from palpate.cli import benching
 
     monkeypatch.setattr(benching, "find_spec", lambda name: None)
-    assert 'pip install "palpate[bench]"' in run("explore", "banana", *BENCH).refused
+    refused = run("explore", "banana", *BENCH).refused
+    assert 'pip install "palpate[bench]" (in a clone: .venv/bin/pip install -e ".[bench]")' in refused
 
 
 def test_the_graphics_are_let_go_of(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:

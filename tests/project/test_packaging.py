@@ -53,3 +53,12 @@ def test_lock_files_agree(file: str) -> None:
 def test_the_citation_states_the_version() -> None:
     """CITATION.cff cites the version that the package has."""
     assert f"\nversion: {palpate.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+
+
+def test_every_extra_that_an_error_names_can_be_installed() -> None:
+    """What is said to be missing is told with an extra that there is."""
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
+    texts = [path.read_text(encoding="utf-8") for path in (ROOT / "src").rglob("*.py")]
+    named = {name for text in texts for name in re.findall(r"""\{extra\(["']([^"']+)["']\)\}""", text)}
+    assert len(named) > 5
+    assert named <= set(extras)

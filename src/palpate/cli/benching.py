@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from palpate.cli.options import number_of
-from palpate.errors import PalpateError, choices, near
+from palpate.errors import PalpateError, choices, extra, near
 from palpate.network.model import Network
 from palpate.selection.policies import FixedOrder, Policy
 
@@ -80,7 +80,7 @@ def noise_of(texts: Iterable[str]) -> BenchNoise:
 def check_installed() -> None:
     """Say what is missing where the package was installed without what the bench needs."""
     if find_spec("mujoco") is None:
-        raise PalpateError('--robot mujoco needs mujoco, which is not installed: pip install "palpate[bench]"')
+        raise PalpateError(f"--robot mujoco needs mujoco, which is not installed: {extra('bench')}")
     from palpate.robots import mujoco as bench
 
     try:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from palpate.errors import PalpateError
+from palpate.errors import PalpateError, extra
 from palpate.explore import Step
 from palpate.figures.wording import outcome_words
 from palpate.inference.belief import Belief
@@ -38,7 +38,7 @@ QUALITY = 80
 def check_rerun() -> None:
     """Say what is missing where nothing can be logged."""
     if find_spec("rerun") is None:
-        raise PalpateError('--rerun needs rerun-sdk, which is not installed: pip install "palpate[rerun]"')
+        raise PalpateError(f"--rerun needs rerun-sdk, which is not installed: {extra('rerun')}")
 
 
 class Rerunning:

@@ -9,7 +9,7 @@ import typer
 
 from palpate.cli.spreading import spread
 from palpate.cli.store_options import Place
-from palpate.errors import PalpateError
+from palpate.errors import PalpateError, extra
 
 __all__ = ["serve"]
 
@@ -64,4 +64,4 @@ def check_installed() -> None:
     check_store()
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
-        raise PalpateError(f'palpate serve needs {missing[0]}, which is not installed: pip install "palpate[server]"')
+        raise PalpateError(f"palpate serve needs {missing[0]}, which is not installed: {extra('server')}")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from palpate.errors import PalpateError, choices, near
+from palpate.errors import PalpateError, choices, extra, near
 
 if TYPE_CHECKING:
     from palpate.store.errors import DamagedError
@@ -40,7 +40,7 @@ def check_installed() -> None:
     """Say what is missing where the package was installed without what a store needs."""
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
-        raise PalpateError(f'palpate store needs {missing[0]}, which is not installed: pip install "palpate[store]"')
+        raise PalpateError(f"palpate store needs {missing[0]}, which is not installed: {extra('store')}")
 
 
 def tell_made(place: str) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.errors import PalpateError
+from palpate.errors import PalpateError, extra
 from palpate.estimators.signals import EstimatorError
 from palpate.outcomes import Failed, Posterior
 
@@ -214,7 +214,7 @@ def _session(path: Path) -> InferenceSession:
         import onnxruntime
         from onnxruntime.capi import onnxruntime_pybind11_state as errors
     except ImportError as error:
-        raise PalpateError('models need onnxruntime, which is not installed: pip install "palpate[vision]"') from error
+        raise PalpateError(f"models need onnxruntime, which is not installed: {extra('vision')}") from error
     if not path.is_file():
         raise EstimatorError(f"{path}: there is no such file, expected an ONNX model")
     options = onnxruntime.SessionOptions()

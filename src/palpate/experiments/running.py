@@ -11,7 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from palpate.errors import PalpateError
+from palpate.errors import PalpateError, extra
 from palpate.experiments.workers import Row, Task, single_threaded, work
 
 if TYPE_CHECKING:
@@ -183,6 +183,6 @@ def _pyarrow() -> tuple[ModuleType, ModuleType]:
         from pyarrow import parquet
     except ImportError as error:
         raise PalpateError(
-            'experiments keep their tables with pyarrow, which is not installed: pip install "palpate[reproduce]"'
+            f"experiments keep their tables with pyarrow, which is not installed: {extra('reproduce')}"
         ) from error
     return arrow, parquet

@@ -11,7 +11,7 @@ from multiprocessing import get_context, parent_process
 from threading import Thread
 from typing import ParamSpec, Protocol, TypeVar
 
-from palpate.errors import PalpateError
+from palpate.errors import PalpateError, extra
 
 __all__ = ["Processes", "Task", "executor", "single_threaded", "work"]
 
@@ -63,7 +63,7 @@ def _limit_threads() -> Callable[[], None]:
         from threadpoolctl import threadpool_limits
     except ImportError as error:
         raise PalpateError(
-            'experiments limit threads with threadpoolctl, which is not installed: pip install "palpate[reproduce]"'
+            f"experiments limit threads with threadpoolctl, which is not installed: {extra('reproduce')}"
         ) from error
     os.environ.update(dict.fromkeys(THREADS, "1"))
     undo: Callable[[], None] = threadpool_limits(1).restore_original_limits
@@ -158,9 +158,7 @@ def _cluster(scheduler: str) -> Iterator[Executor]:
     try:
         from distributed import Client
     except ImportError as error:
-        raise PalpateError(
-            'a Dask scheduler needs distributed, which is not installed: pip install "palpate[cluster]"'
-        ) from error
+        raise PalpateError(f"a Dask scheduler needs distributed, which is not installed: {extra('cluster')}") from error
     try:
         client = Client(scheduler, timeout="10s", set_as_default=False)
     except (OSError, ValueError) as error:

@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.errors import PalpateError
+from palpate.errors import PalpateError, extra
 
 __all__ = ["RATE_HZ", "Film", "check_film"]
 
@@ -22,7 +22,7 @@ BLOCK = 16
 def check_film() -> None:
     """Say what is missing where no video can be written."""
     if find_spec("imageio_ffmpeg") is None:
-        raise PalpateError('a video needs imageio-ffmpeg, which is not installed: pip install "palpate[video]"')
+        raise PalpateError(f"a video needs imageio-ffmpeg, which is not installed: {extra('video')}")
 
 
 class Film:

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from palpate.errors import extra
 from palpate.store.blobs import DAMAGED, is_digest, verified
 from palpate.store.bucket_errors import NotThereError, told
 from palpate.store.content import file_digest
@@ -42,9 +43,7 @@ class BucketBlobs:
         try:
             from obstore.store import from_url
         except ImportError as error:
-            raise StoreError(
-                f'blobs {url!r}: need obstore, which is not installed: pip install "palpate[s3]"'
-            ) from error
+            raise StoreError(f"blobs {url!r}: need obstore, which is not installed: {extra('s3')}") from error
         self.url = url
         with told(url):
             self._store = from_url(url, client_options=_options()) if url.startswith("s3:") else from_url(url)

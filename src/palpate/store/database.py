@@ -14,6 +14,7 @@ from sqlalchemy import Connection, Engine, create_engine, event, inspect, text
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, DatabaseError
 
+from palpate.errors import extra
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.outages import tell_outages
 from palpate.store.read_only import read_only_uri
@@ -80,9 +81,7 @@ def _postgresql(address: URL) -> Engine:
         # whatever the encoding of the database, what is sent and read is text
         engine = create_engine(address, pool_pre_ping=True, connect_args={"client_encoding": "utf8"})
     except ImportError as error:
-        raise StoreError(
-            f'store {address!r}: needs psycopg, which is not installed: pip install "palpate[postgresql]"'
-        ) from error
+        raise StoreError(f"store {address!r}: needs psycopg, which is not installed: {extra('postgresql')}") from error
     tell_outages(engine)
     return engine
 

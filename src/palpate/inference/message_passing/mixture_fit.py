@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.errors import PalpateError
+from palpate.errors import PalpateError, extra
 from palpate.inference.message_passing.grid import Grid
 from palpate.inference.message_passing.settings import Settings
 
@@ -74,7 +74,7 @@ def scikit_learn_start() -> Any:
         from sklearn.cluster import KMeans
     except ImportError as error:
         raise PalpateError(
-            'the message-passing engine needs scikit-learn, which is not installed: pip install "palpate[reproduce]"'
+            f"the message-passing engine needs scikit-learn, which is not installed: {extra('reproduce')}"
         ) from error
     return KMeans
 

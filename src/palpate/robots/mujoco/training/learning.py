@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.errors import PalpateError
+from palpate.errors import PalpateError, extra
 
 __all__ = ["Schedule", "compact", "fit", "resnet34", "write_onnx"]
 
@@ -40,7 +40,7 @@ def _torch() -> Any:
     try:
         import torch
     except ImportError as error:
-        raise PalpateError('training needs PyTorch, which is not installed: pip install "palpate[sound]"') from error
+        raise PalpateError(f"training needs PyTorch, which is not installed: {extra('sound')}") from error
     return torch
 
 
@@ -70,7 +70,7 @@ def resnet34(states: int) -> Net:
     # torchvision made for another PyTorch raises a RuntimeError
     except (ImportError, RuntimeError) as error:
         raise PalpateError(
-            f'a ResNet34 needs torchvision that fits the installed PyTorch ({error}): pip install "palpate[sound]"'
+            f"a ResNet34 needs torchvision that fits the installed PyTorch ({error}): {extra('sound')}"
         ) from error
     net = build(weights=None)
     net.fc = torch.nn.Linear(net.fc.in_features, states)

@@ -9,6 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from palpate.errors import extra
 from palpate.store.errors import StoreError
 from palpate.store.importing.bags import ros1_file
 from palpate.store.importing.bags.mcap_file import MAGIC, McapFile
@@ -76,7 +77,7 @@ def opened_bag(path: Path) -> Iterator[Bag]:
     """
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
-        raise StoreError(f'bags need {missing[0]}, which is not installed: pip install "palpate[bags]"')
+        raise StoreError(f"bags need {missing[0]}, which is not installed: {extra('bags')}")
     if not path.is_dir():
         yield Bag((_source(path),))
     elif not (path / METADATA).is_file():
