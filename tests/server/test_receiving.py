@@ -51,16 +51,18 @@ def test_another_digest_is_refused(client: TestClient, store: Store, token: Toke
     [
         ("ann", "private", 201),
         (None, "public", 201),
-        (None, "private", 422),
+        (None, "private", 201),
         ("bob", "public", 422),
     ],
 )
 def test_nobody_uploads_in_the_name_of_others(
     client: TestClient, token: Token, owner: str | None, visibility: str, status: int
 ) -> None:
-    """One's own, or what belongs to nobody and is shared."""
-    recording = squeeze(owner=owner, visibility=visibility)
-    assert send(client, recording, token("ann")).status_code == status
+    """One's own, or what states no owner; who has sent it sees it, and others do where they may."""
+    recording, headers = squeeze(owner=owner, visibility=visibility), token("ann")
+    assert send(client, recording, headers).status_code == status
+    seen = client.get(f"{API}/{recording.id}", headers=headers), client.get(f"{API}/{recording.id}")
+    assert [one.status_code == 200 for one in seen] == [status == 201, status == 201 and visibility == "public"]
     # an administrator moves whole data sets
     assert send(client, recording, token("root", Role.ADMIN)).status_code in (200, 201)
 

@@ -125,6 +125,7 @@ def recordings(draw: st.DrawFn) -> Recording:
         owner=draw(st.none() | texts),
         licence=draw(st.none() | texts),
         visibility=draw(st.sampled_from(["private", "lab", "public"])),
+        embargoed_until=draw(st.none() | moments),
         ground_truth=draw(st.booleans()),
         software=draw(st.none() | texts),
         repository=draw(st.none() | texts),

@@ -1,6 +1,7 @@
 import json
 import shutil
 from dataclasses import replace
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pyarrow as pa
@@ -16,12 +17,15 @@ from palpate.store.filters import Filter
 from palpate.store.importing.intake import import_paths
 from palpate.store.importing.items import Fate
 from palpate.store.importing.own_formats import Archives
+from palpate.store.keeping_episodes import get_episode, put_episode
+from palpate.store.listing import ids_matching
+from palpate.store.listing_episodes import list_episodes
 from palpate.store.opening import open_store
 from palpate.store.reading_archive import archive_rows, read_archive
 from palpate.store.records import FileItem, Recording
 from palpate.store.store import Store
 from palpate.store.verifying import verify
-from tests.store.made_up import recordings, squeeze
+from tests.store.made_up import made_episode, recordings, squeeze
 
 MADE = [squeeze(1, log="said"), squeeze(2, files=(FileItem("cam0.png", "image/png", b"picture"),)), squeeze(3)]
 
@@ -65,6 +69,44 @@ def test_a_selection_is_exported(store: Store, tmp_path: Path) -> None:
     assert count == 1
     assert told == [(1, 1)]
     assert [recording.digest for recording in read_archive(tmp_path / "archive")] == [MADE[1].digest]
+
+
+def test_an_embargo_survives_an_archive(store: Store, tmp_path: Path) -> None:
+    """It comes back with the visibility that holds after it; who reads the tables alone is told that it is private."""
+    ends = [datetime.now(UTC) + timedelta(days=days) for days in (1, -1)]
+    made = [squeeze(n, visibility="lab", embargoed_until=until) for n, until in enumerate(ends)]
+    store.put_many(made)
+    put_episode(store, made_episode(made[0], visibility="public", embargoed_until=ends[0]))
+    folder = tmp_path / "archive"
+    export_archive(store, folder)
+    said = pq.read_table(folder / "recordings.parquet")["visibility"].to_pylist()
+    assert said == ["private", "lab"]
+    assert set(pq.read_table(folder / "episodes.parquet")["visibility"].to_pylist()) == {"private"}
+    with open_store(tmp_path / "other.sqlite", durable=False) as other:
+        assert {one.fate for one in import_paths(other, [folder], [Archives()])} == {Fate.NEW}
+        assert [other.get(one.id) for one in made] == made
+        (row,) = list_episodes(other).rows
+        found = get_episode(other, row.id)
+        assert (found.visibility, found.embargoed_until) == ("public", ends[0])
+
+
+def test_what_is_embargoed_is_private_meanwhile(store: Store, tmp_path: Path) -> None:
+    """A selection by visibility asks who may see it now."""
+    ends = [None, datetime.now(UTC) + timedelta(days=1), datetime.now(UTC) - timedelta(days=1)]
+    made = [squeeze(n, visibility="public", embargoed_until=until) for n, until in enumerate(ends)]
+    store.put_many(made)
+    for visibility, wanted in (("public", [made[0], made[2]]), ("private", [made[1]]), ("lab", [])):
+        assert set(ids_matching(store, Filter(visibility=visibility))) == {one.id for one in wanted}
+    assert export_archive(store, tmp_path / "archive", Filter(visibility="public")) == 2
+
+
+@pytest.mark.parametrize("stated", [["public", "soon"], ["secret", "2026-01-01T00:00:00.000000Z"], "public"])
+def test_an_embargo_that_cannot_be_read_is_refused(archive: Path, stated: object) -> None:
+    """A manifest that states no moment or no visibility is none."""
+    manifest = json.loads((archive / "manifest.json").read_text())
+    (archive / "manifest.json").write_text(json.dumps({**manifest, "embargoed": {MADE[0].digest: stated}}))
+    with pytest.raises(StoreError, match="expected the manifest of an archive"):
+        list(read_archive(archive))
 
 
 def test_an_existing_folder_is_not_written_to(local: Store, tmp_path: Path) -> None:

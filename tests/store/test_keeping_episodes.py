@@ -7,7 +7,9 @@ from uuid import uuid4
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from sqlalchemy import select
 
+from palpate.store import schema
 from palpate.store.episodes import StoredEpisode
 from palpate.store.errors import DamagedError, StoreError
 from palpate.store.keeping_episodes import get_episode, put_episode
@@ -38,6 +40,19 @@ def test_an_episode_comes_back_as_it_was_put(filled: Store) -> None:
     again = put_episode(filled, replace(episode, id=uuid4(), visibility="public"))
     assert (again.id, again.new) == (episode.id, False)
     assert list(verify(filled)) == []
+
+
+def test_growing_changes_neither_who_sees_it_nor_who_sent_it(filled: Store) -> None:
+    """Both were said when it came first; a step that comes later says nothing of them."""
+    until = datetime.now(UTC) + timedelta(days=1)
+    episode = made_episode(RECORDINGS[0], visibility="lab", embargoed_until=until)
+    put_episode(filled, episode, uploader="ann")
+    grown = replace(episode, visibility="public", embargoed_until=None).continued({"stop": "enough"})
+    assert put_episode(filled, grown, uploader="bob").new
+    found = get_episode(filled, episode.id)
+    assert (found.stop, found.visibility, found.embargoed_until) == ("enough", "lab", until)
+    with filled.engine.connect() as connection:
+        assert connection.execute(select(schema.episodes.c.uploaded_by)).scalar_one() == "ann"
 
 
 @settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])

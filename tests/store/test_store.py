@@ -16,6 +16,22 @@ from palpate.store.verifying import verify
 from tests.store.made_up import recordings, squeeze
 
 
+def uploaders(store: Store) -> dict[UUID, str | None]:
+    with store.engine.connect() as connection:
+        rows = connection.execute(select(schema.recordings.c.uuid, schema.recordings.c.uploaded_by))
+        return {UUID(bytes=uuid): name for uuid, name in rows}
+
+
+def test_who_sent_it_first_is_kept_beside_the_content(store: Store) -> None:
+    """The account is no part of the digest; what comes by no account has none."""
+    made = [squeeze(number) for number in range(3)]
+    store.put(made[0])
+    store.put(made[1], uploader="ann")
+    assert [receipt.new for receipt in store.put_many(made, uploader="bob")] == [False, False, True]
+    assert uploaders(store) == {made[0].id: None, made[1].id: "ann", made[2].id: "bob"}
+    assert list(verify(store)) == []
+
+
 def count(store: Store, table: str = "recordings") -> int:
     with store.engine.connect() as connection:
         return int(connection.execute(select(func.count()).select_from(schema.metadata.tables[table])).scalar_one())

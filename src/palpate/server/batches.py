@@ -32,7 +32,7 @@ def keep_batch(state: State, who: Account, files: list[Path]) -> list[dict[str, 
     """Keep the recordings of files of lines and of packages, and tell of each what became of it, in their order."""
     with TemporaryDirectory(prefix="palpate-upload-") as folder:
         form = Sent(state, who, Path(folder))
-        outcomes = {outcome.source: outcome for outcome in import_paths(state.store, files, [form])}
+        outcomes = {outcome.source: outcome for outcome in import_paths(state.store, files, [form], uploader=who.name)}
         digests = [one.recording.digest for one in outcomes.values() if one.recording is not None]
         ids = recordings_of_digests(state.store, who.viewer, digests)
         order = sorted(outcomes.values(), key=lambda one: form.places.get(one.source, (len(files), 0)))

@@ -56,7 +56,7 @@ def receive(state: State, who: Account, digest: str, package: IO[bytes]) -> Rece
             check_parts(package)
             recording = unpack(package, Path(folder), largest_bytes=state.settings.largest_unpacked_bytes)
             _check(recording, who, digest)
-            return state.store.put(recording)
+            return state.store.put(recording, uploader=who.name)
         except UnavailableError:
             raise
         except DamagedError as error:
@@ -82,12 +82,11 @@ def _check(recording: Recording, who: Account, digest: str) -> None:
 
 
 def check_owner(recording: Recording, who: Account) -> None:
-    """Refuse what is sent in the name of somebody else, and what nobody could see; administrators move whole stores."""
-    if who.role >= Role.ADMIN:
-        return
-    if recording.owner is None and recording.visibility == "private":
-        raise StoreError(f"owner: nobody is stated, and it is private; expected {who.name!r}, or else nobody sees it")
-    if recording.owner not in (None, who.name):
+    """Refuse what is sent in the name of somebody else; administrators move whole stores.
+
+    What states no owner is seen, where it is private, by who has sent it.
+    """
+    if who.role < Role.ADMIN and recording.owner not in (None, who.name):
         raise StoreError(f"owner: found {recording.owner!r}, expected {who.name!r}, whose token this is")
 
 

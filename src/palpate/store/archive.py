@@ -1,8 +1,8 @@
 """Palpate's own archive: a folder that holds recordings whole, for exchange and for back-up.
 
 ``manifest.json``
-    Version, counts, the SHA-256 of the other files, the unit that decides the dimension of each property, and the
-    digests of recordings with results in a unit of another one.
+    Version, counts, the SHA-256 of the other files, the unit that decides the dimension of each property, the
+    digests of recordings with results in a unit of another one, and of what is or was embargoed visibility and end.
 ``recordings.parquet``
     One row for each recording: what was hashed, what it refers to, and its raw signals, compressed.
 ``entries.parquet``
@@ -31,6 +31,7 @@ from palpate.store.archive_rows import entries_schema, entry_row, recording_row,
 from palpate.store.archive_things import OBJECTS, things_with, write_things
 from palpate.store.blobs import FolderBlobs
 from palpate.store.content import file_digest, to_json
+from palpate.store.embargo import Embargoes, embargo_stated
 from palpate.store.exporting.selection import Selection
 from palpate.store.exporting.writing import Told, Written, export
 from palpate.store.filters import Filter
@@ -93,14 +94,15 @@ class Archive:
         """Write recordings, results, objects, episodes, blobs and the manifest."""
         kept = FolderBlobs(folder / "blobs")
         units = deciding_units(selection.connection)
-        count, used, wrong = _write_recordings(selection, folder, kept, units, told)
+        count, used, wrong, hidden = _write_recordings(selection, folder, kept, units, told)
         episodes = episodes_with(selection)
         things = things_with(selection, episodes)
         pictures = write_things(selection, things, folder, kept)
-        write_episodes(selection.connection, episodes, folder)
+        hidden = {**hidden, **write_episodes(selection.connection, episodes, folder)}
         digests = {name: file_digest(folder / name) for name in (*TABLES, *MORE_TABLES)}
         counts = {"recordings": count, "episodes": len(episodes)}
-        manifest = {"format": NAME, "version": VERSION, **counts, "units": used, "wrong": wrong, "sha256": digests}
+        more = {"units": used, "wrong": wrong, **({"embargoed": hidden} if hidden else {})}
+        manifest = {"format": NAME, "version": VERSION, **counts, **more, "sha256": digests}
         (folder / MANIFEST).write_text(to_json(manifest) + "\n", encoding="utf-8")
         return Written(count, (*_left_out(selection, len(things), len(episodes)), *pictures))
 
@@ -123,11 +125,12 @@ def _left_out(selection: Selection, things: int, episodes: int) -> Iterator[str]
 
 def _write_recordings(
     selection: Selection, folder: Path, kept: FolderBlobs, units: Mapping[str, str], told: Told
-) -> tuple[int, dict[str, str], list[str]]:
-    """How many recordings were written, the units of their properties, and the digests of the wrong ones."""
+) -> tuple[int, dict[str, str], list[str], Embargoes]:
+    """How many recordings were written, the units of their properties, the digests of the wrong ones, and embargoes."""
     from pyarrow.parquet import ParquetWriter
 
     count, of, used, wrong = 0, selection.count(), dict[str, str](), list[str]()
+    hidden: dict[str, tuple[str, str]] = {}
     with (
         ParquetWriter(folder / RECORDINGS, recordings_schema(), compression="zstd") as heads,
         ParquetWriter(folder / "entries.parquet", entries_schema(), compression="zstd") as entries,
@@ -140,9 +143,10 @@ def _write_recordings(
                 kept.put(item.sha256, item.data)
             used |= {name: units[name] for recording in batch for _, (name, _) in units_in(recording)}
             wrong += [recording.digest for recording in batch if has_wrong_unit(recording, units)]
+            hidden |= {digest: one for recording in batch for digest, one in embargo_stated(recording).items()}
             count += len(batch)
             told(count, of)
-    return count, used, wrong
+    return count, used, wrong, hidden
 
 
 def _write_rows(writer: ParquetWriter, columns: pyarrow.Schema, rows: list[dict[str, Any]]) -> None:

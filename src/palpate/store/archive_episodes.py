@@ -13,11 +13,13 @@ from uuid import UUID
 from sqlalchemy import Connection, select
 
 from palpate.store import schema
+from palpate.store.embargo import Embargoes, embargo_stated, is_seen_as
 from palpate.store.episodes import StoredEpisode, episode_from
 from palpate.store.errors import DamagedError
 from palpate.store.exporting.selection import Selection
 from palpate.store.keeping_episodes import episodes_of
-from palpate.store.records import ThingRef
+from palpate.store.records import ThingRef, visibility_now
+from palpate.store.registry import now_us
 
 if TYPE_CHECKING:
     import pyarrow
@@ -49,18 +51,21 @@ def episodes_with(selection: Selection) -> list[int]:
         outside = linked.where(steps.recording_id.not_in(selection.rows()))
         asked = asked.where(episodes.id.in_(linked), episodes.id.not_in(outside))
     if selection.wanted.visibility is not None:
-        asked = asked.where(episodes.visibility == selection.wanted.visibility)
+        asked = asked.where(is_seen_as(schema.episodes, selection.wanted.visibility, now_us()))
     return list(selection.connection.scalars(asked))
 
 
-def write_episodes(connection: Connection, ids: Sequence[int], folder: Path) -> None:
-    """Write the episodes of rows."""
+def write_episodes(connection: Connection, ids: Sequence[int], folder: Path) -> Embargoes:
+    """Write the episodes of rows; those that are or were embargoed are given."""
     import pyarrow as pa
     from pyarrow.parquet import ParquetWriter
 
+    found: dict[str, tuple[str, str]] = {}
     with ParquetWriter(folder / EPISODES, episodes_schema(), compression="zstd") as writer:
         for episode in episodes_of(connection, ids):
             writer.write_table(pa.Table.from_pylist(list(_rows(episode)), schema=episodes_schema()))
+            found |= embargo_stated(episode)
+    return found
 
 
 def archived_episodes(rows: Iterable[Mapping[str, Any]]) -> Iterator[tuple[str, StoredEpisode | str]]:
@@ -76,7 +81,7 @@ def _rows(episode: StoredEpisode) -> Iterator[dict[str, Any]]:
     shared = {
         "episode": str(episode.id),
         "digest": episode.digest,
-        "visibility": episode.visibility,
+        "visibility": visibility_now(episode.visibility, episode.embargoed_until),
         "dataset": episode.thing.dataset,
         "object": episode.thing.id,
         "started_at": episode.started_at,

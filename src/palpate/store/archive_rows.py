@@ -15,7 +15,7 @@ from palpate.store.decoding import Stored, recording_from, setup_from, thing_fro
 from palpate.store.entries import Entry
 from palpate.store.errors import DamagedError
 from palpate.store.filters import digest_bytes
-from palpate.store.records import Recording
+from palpate.store.records import Recording, visibility_now
 from palpate.store.rows import entry_columns, gripper_of
 
 if TYPE_CHECKING:
@@ -53,7 +53,8 @@ def recording_row(recording: Recording) -> dict[str, Any]:
         **_shared(recording),
         "id": str(recording.id),
         "digest": recording.digest,
-        "visibility": recording.visibility,
+        # what else there is of an embargo stands in the manifest, as earlier versions would not heed it
+        "visibility": visibility_now(recording.visibility, recording.embargoed_until),
         "thing": to_json(thing_plain(recording.thing)),
         "setup": to_json(setup_plain(recording.setup)),
         "document": recording.document,

@@ -16,7 +16,7 @@ from palpate.store.records import DEVICE_KINDS, VISIBILITIES, Device, FileItem, 
 from palpate.store.signals import check_series
 from palpate.store.texts import check_encoding, check_json, check_name, check_number, check_numbers, check_text
 
-__all__ = ["check", "check_entry", "check_moment", "check_thing", "check_unit"]
+__all__ = ["check", "check_embargo", "check_entry", "check_moment", "check_thing", "check_unit"]
 
 CLOCKS_DIFFER = timedelta(minutes=1)
 SUM_TOLERANCE = 1e-6
@@ -68,6 +68,7 @@ def check(
     _check_setup(recording.setup)
     if recording.visibility not in VISIBILITIES:
         raise StoreError(f"visibility: found {recording.visibility!r}; {choices(VISIBILITIES)}")
+    check_embargo(recording.embargoed_until)
     for field in ("owner", "licence", "software", "repository"):
         check_text(field, getattr(recording, field))
     check_json("grasp", recording.grasp)
@@ -90,6 +91,12 @@ def check_moment(where: str, moment: datetime, now: datetime) -> None:
         raise StoreError(f"{where}: {moment.isoformat()} is in the future; expected a time before {now:%F %T} UTC")
     if moment.year < 1970:
         raise StoreError(f"{where}: {moment.isoformat()} is before 1970; expected the time of the measurement")
+
+
+def check_embargo(moment: datetime | None) -> None:
+    """Refuse the end of an embargo that has no time zone."""
+    if moment is not None and moment.utcoffset() is None:
+        raise StoreError(f"embargoed_until: {moment.isoformat()} has no time zone; expected one, such as UTC")
 
 
 def check_thing(thing: ThingRef) -> None:

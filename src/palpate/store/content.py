@@ -76,7 +76,7 @@ def digest_of(text: bytes, arrays: Iterable[NDArray[Any]], log: bytes) -> str:
 
 
 def document(recording: Recording) -> str:
-    """All of a recording but its id, visibility, arrays, files and log, as JSON.
+    """All of a recording but its id, visibility, embargo, arrays, files and log, as JSON.
 
     Raises
     ------

@@ -33,7 +33,7 @@ __all__ = [
     "writing",
 ]
 
-LATEST = "0003"
+LATEST = "0004"
 MIGRATIONS = Path(__file__).parent / "migrations"
 WAIT_S = 30
 PAGE_BYTES = 16384

@@ -34,6 +34,7 @@ class Stored:
     setup: Setup
     series: tuple[Series, ...]
     files: tuple[bytes | Path, ...]
+    embargoed_until: datetime | None = None
 
 
 def recording_from(stored: Stored) -> Recording:
@@ -60,6 +61,7 @@ def _put_together(stored: Stored) -> Recording:
         thing=stored.thing,
         setup=stored.setup,
         visibility=stored.visibility,
+        embargoed_until=stored.embargoed_until,
         gripper_pose=pose_from(plain["gripper_pose"]),
         object_pose=pose_from(plain["object_pose"]),
         series=stored.series,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from functools import cached_property
 from hashlib import sha256
@@ -17,7 +17,7 @@ from uuid import UUID, uuid4
 
 from palpate.errors import choices
 from palpate.logfile import EPISODE_FORMAT
-from palpate.store.checks import check_moment, check_thing
+from palpate.store.checks import check_embargo, check_moment, check_thing
 from palpate.store.content import in_utc, to_json
 from palpate.store.decoding import moment_from
 from palpate.store.errors import DamagedError, StoreError
@@ -77,6 +77,8 @@ class StoredEpisode:
         The other lines.
     owner, visibility
         Whose it is and who may see it: private, lab or public.
+    embargoed_until
+        Until when only those see it who would if it were private; with a time zone.
     id
         Its own, also while it grows.
     """
@@ -87,11 +89,12 @@ class StoredEpisode:
     steps: tuple[StoredStep, ...] = ()
     owner: str | None = None
     visibility: str = "private"
+    embargoed_until: datetime | None = None
     id: UUID = field(default_factory=uuid4)
 
     @cached_property
     def document(self) -> str:
-        """All but id, visibility and steps, as JSON."""
+        """All but id, visibility, embargo and steps, as JSON."""
         thing = [self.thing.dataset, self.thing.id]
         head = {"started_at": in_utc(self.started_at), "thing": thing, "owner": self.owner}
         return to_json({**head, "header": self.header})
@@ -120,7 +123,7 @@ class StoredEpisode:
     def continued(self, record: Record, recording: str | None = None) -> StoredEpisode:
         """The same with one more line."""
         steps = (*self.steps, StoredStep(record, recording))
-        return StoredEpisode(self.started_at, self.thing, self.header, steps, self.owner, self.visibility, self.id)
+        return replace(self, steps=steps)
 
 
 def episode_digest(document: str, steps: Sequence[str]) -> str:
@@ -129,7 +132,14 @@ def episode_digest(document: str, steps: Sequence[str]) -> str:
 
 
 def episode_from(
-    document: str, steps: Sequence[str], digest: str, *, thing: ThingRef, visibility: str, id: UUID
+    document: str,
+    steps: Sequence[str],
+    digest: str,
+    *,
+    thing: ThingRef,
+    visibility: str,
+    id: UUID,
+    embargoed_until: datetime | None = None,
 ) -> StoredEpisode:
     """Put an episode together and verify its digest.
 
@@ -151,6 +161,7 @@ def episode_from(
             steps=tuple(StoredStep(line["record"], line["recording"]) for line in lines),
             owner=plain["owner"],
             visibility=visibility,
+            embargoed_until=embargoed_until,
             id=id,
         )
 
@@ -169,6 +180,7 @@ def check_episode(episode: StoredEpisode) -> None:
     check_text("owner", episode.owner)
     if episode.visibility not in VISIBILITIES:
         raise StoreError(f"visibility: found {episode.visibility!r}; {choices(VISIBILITIES)}")
+    check_embargo(episode.embargoed_until)
     check_json("header", episode.header)
     found = episode.header.get("format")
     if found != EPISODE_FORMAT:

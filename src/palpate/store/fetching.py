@@ -15,6 +15,7 @@ from palpate.store import schema
 from palpate.store.arrays import unpack_bytes, unpack_series
 from palpate.store.blobs import Blobs
 from palpate.store.decoding import Stored, recording_from, setup_from
+from palpate.store.embargo import embargo_of
 from palpate.store.errors import DamagedError, IncompleteError
 from palpate.store.legible import legible
 from palpate.store.records import Recording, Series, Setup
@@ -156,6 +157,7 @@ def _parts(row: Mapping[Any, Any], series: Sequence[Series], files: Sequence[byt
         id=UUID(bytes=row[columns.uuid]),
         digest=row[columns.digest].hex(),
         visibility=row[columns.visibility],
+        embargoed_until=embargo_of(row[columns.embargoed_us]),
         document=row[columns.document],
         log=unpack_bytes(log) if log else b"",
         thing=thing_of({column.name: row[column] for column in schema.things.c}),

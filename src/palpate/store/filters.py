@@ -12,8 +12,10 @@ from sqlalchemy import ColumnElement, Select, func, or_, select, union
 
 from palpate.errors import choices
 from palpate.store import schema
+from palpate.store.embargo import is_seen_as
 from palpate.store.errors import StoreError
 from palpate.store.json_columns import HoldsText
+from palpate.store.registry import now_us
 from palpate.store.rows import microseconds
 
 __all__ = ["Cursor", "Filter", "Sort"]
@@ -51,7 +53,7 @@ class Filter:
     text
         A part of names, notices or owner, in any case.
     visibility
-        Who may see it: private, lab or public.
+        Who may see it now: private, lab or public; until its embargo ends a recording is private.
     """
 
     thing: str | None = None
@@ -73,9 +75,11 @@ class Filter:
     def conditions(self) -> Iterator[ColumnElement[bool]]:
         """All but property and labels, on `schema.recordings`."""
         columns = schema.recordings.c
-        for name in ("action", "owner", "gripper", "ground_truth", "visibility"):
+        for name in ("action", "owner", "gripper", "ground_truth"):
             if getattr(self, name) is not None:
                 yield columns[name] == getattr(self, name)
+        if self.visibility is not None:
+            yield is_seen_as(schema.recordings, self.visibility, now_us())
         if self.thing is not None or self.dataset is not None:
             yield columns.thing_id.in_(things_named(self.thing, self.dataset))
         for name, label in self.known.items():

@@ -11,6 +11,7 @@ from sqlalchemy.exc import DatabaseError, IntegrityError
 
 from palpate.store import schema
 from palpate.store.database import writing
+from palpate.store.embargo import embargo_of, embargo_us
 from palpate.store.episodes import StoredEpisode, check_episode, episode_from
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.filters import digest_bytes
@@ -29,11 +30,20 @@ AT_ONCE = 50
 Row = Mapping[Any, Any]
 
 
-def put_episode(store: Store, episode: StoredEpisode) -> Receipt:
+def put_episode(store: Store, episode: StoredEpisode, *, uploader: str | None = None) -> Receipt:
     """Keep an episode, in one transaction.
 
     The same content again is the same episode. One that is in the store may grow: put again under its id with further
-    steps, it takes them.
+    steps, it takes them. Who may see it stays what it is in the store by then, and so does who has sent it first.
+
+    Parameters
+    ----------
+    store
+        Where it is kept.
+    episode
+        What to keep.
+    uploader
+        The account that has sent it, where one did.
 
     Raises
     ------
@@ -45,7 +55,7 @@ def put_episode(store: Store, episode: StoredEpisode) -> Receipt:
     check_episode(episode)
     for attempt in range(1, ATTEMPTS + 1):
         try:
-            return patiently(lambda: _transaction(store, episode))
+            return patiently(lambda: _transaction(store, episode, uploader))
         except DatabaseError as error:
             # somebody else has just put the same, and the next look finds it
             if not isinstance(error, IntegrityError) or attempt == ATTEMPTS:
@@ -109,6 +119,7 @@ def stored_episode(row: Row, steps: Sequence[str]) -> StoredEpisode:
         row["digest"].hex(),
         thing=thing,
         visibility=row["visibility"],
+        embargoed_until=embargo_of(row["embargoed_us"]),
         id=UUID(bytes=row["uuid"]),
     )
 
@@ -120,12 +131,12 @@ def documents_of(connection: Connection, episode: int) -> list[str]:
     return list(connection.scalars(asked))
 
 
-def _transaction(store: Store, episode: StoredEpisode) -> Receipt:
+def _transaction(store: Store, episode: StoredEpisode, uploader: str | None) -> Receipt:
     with writing(store.engine).begin() as connection:
-        return _put(connection, episode)
+        return _put(connection, episode, uploader)
 
 
-def _put(connection: Connection, episode: StoredEpisode) -> Receipt:
+def _put(connection: Connection, episode: StoredEpisode, uploader: str | None) -> Receipt:
     columns = schema.episodes.c
     same = or_(columns.digest == bytes.fromhex(episode.digest), columns.uuid == episode.id.bytes)
     asked = select(columns.id, columns.uuid, columns.digest, columns.document).where(same).with_for_update()
@@ -136,7 +147,9 @@ def _put(connection: Connection, episode: StoredEpisode) -> Receipt:
     if there:
         return _grow(connection, there[0], episode)
     thing = Lookup(connection, Registry()).thing(episode.thing)
-    made = insert(schema.episodes).values(uuid=episode.id.bytes, thing_id=thing, **head_columns(episode))
+    shared = {"visibility": episode.visibility, "embargoed_us": embargo_us(episode.embargoed_until)}
+    values = {"uuid": episode.id.bytes, "thing_id": thing, "uploaded_by": uploader, **shared, **head_columns(episode)}
+    made = insert(schema.episodes).values(**values)
     _add_steps(connection, connection.execute(made.returning(columns.id)).scalar_one(), episode, 0)
     return Receipt(episode.id, episode.digest, new=True)
 
@@ -162,7 +175,6 @@ def head_columns(episode: StoredEpisode) -> dict[str, Any]:
         "digest": bytes.fromhex(episode.digest),
         "started_us": microseconds(episode.started_at),
         "owner": episode.owner,
-        "visibility": episode.visibility,
         "actions": episode.actions,
         "stop": episode.stop,
         "document": episode.document,

@@ -13,6 +13,7 @@ from sqlalchemy import ColumnElement, select
 from palpate.store import schema
 from palpate.store.arrays import unpack_bytes, unpack_series
 from palpate.store.decoding import entry_from, moment_from, pose_from
+from palpate.store.embargo import embargo_of
 from palpate.store.entries import Entry
 from palpate.store.fetching import from_row_or_blob, parsed_layout, setup_of
 from palpate.store.legible import reading
@@ -57,6 +58,8 @@ class Head:
     series: tuple[SeriesInfo, ...]
     files: tuple[StoredFile, ...]
     document: Mapping[str, Any]
+    uploaded_by: str | None
+    embargoed_until: datetime | None
 
     @property
     def recorded_at(self) -> datetime:
@@ -104,6 +107,8 @@ def _head(row: Mapping[Any, Any]) -> Head:
         series=tuple(SeriesInfo(one["name"], _channels(one)) for one in plain["series"]),
         files=tuple(StoredFile(one["name"], one["media_type"], one["sha256"]) for one in plain["files"]),
         document=plain,
+        uploaded_by=row[columns.uploaded_by],
+        embargoed_until=embargo_of(row[columns.embargoed_us]),
     )
 
 

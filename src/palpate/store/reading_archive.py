@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, Any
 from palpate.store.archive import MANIFEST, MORE_TABLES, RECORDINGS, TABLES, VERSION
 from palpate.store.archive_rows import recording_at, recordings_schema
 from palpate.store.content import file_digest
+from palpate.store.decoding import moment_from
+from palpate.store.embargo import Embargoes, with_embargo
 from palpate.store.errors import DamagedError, StoreError
-from palpate.store.records import Recording
+from palpate.store.records import VISIBILITIES, Recording
 
 if TYPE_CHECKING:
     from pyarrow.parquet import FileMetaData, ParquetFile
@@ -26,6 +28,7 @@ __all__ = [
     "opened_table",
     "read_archive",
     "stated_count",
+    "stated_embargoes",
     "stated_units",
 ]
 
@@ -73,7 +76,7 @@ def archive_rows(folder: Path) -> Iterator[ArchiveRow]:
         As `read_archive`.
     """
     check_archive(folder)
-    path, wrong = folder / RECORDINGS, _manifest(folder).wrong
+    path, manifest = folder / RECORDINGS, _manifest(folder)
     with opened_table(path) as table:
         if not table.schema_arrow.equals(recordings_schema()):
             raise StoreError(f"{path}: has other columns, expected those of version {VERSION}")
@@ -82,8 +85,8 @@ def archive_rows(folder: Path) -> Iterator[ArchiveRow]:
         # a group is read at most once, when the first of its recordings is asked for, and forgotten with the last
         whole = cache(partial(_rows, path, metadata, group))
         for place, row in enumerate(_rows(path, metadata, group, ["id", "digest"])):
-            read = partial(_recording, whole, place, folder)
-            yield ArchiveRow(row["id"], row["digest"], read, row["digest"] in wrong)
+            read = partial(_recording, whole, place, folder, manifest.embargoed)
+            yield ArchiveRow(row["id"], row["digest"], read, row["digest"] in manifest.wrong)
 
 
 def stated_count(folder: Path) -> int:
@@ -106,6 +109,17 @@ def stated_units(folder: Path) -> Mapping[str, str]:
         If it is no archive.
     """
     return _manifest(folder).units
+
+
+def stated_embargoes(folder: Path) -> Embargoes:
+    """What an archive states of embargoes; none in those of older versions of the package.
+
+    Raises
+    ------
+    StoreError
+        If it is no archive.
+    """
+    return _manifest(folder).embargoed
 
 
 def check_archive(folder: Path) -> None:
@@ -136,6 +150,7 @@ class _Manifest:
     digests: Mapping[str, Any]
     units: Mapping[str, str]
     wrong: frozenset[str]
+    embargoed: Embargoes
 
 
 def _manifest(folder: Path) -> _Manifest:
@@ -149,11 +164,20 @@ def _manifest(folder: Path) -> _Manifest:
             digests={name: written[name] for name in (*TABLES, *(name for name in MORE_TABLES if name in written))},
             units={str(name): str(unit) for name, unit in manifest.get("units", {}).items()},
             wrong=frozenset(manifest.get("wrong", ())),
+            embargoed=_embargoes(manifest.get("embargoed", {})),
         )
     except FileNotFoundError:
         raise StoreError(f"{path}: is missing, expected the folder of an archive") from None
     except (AttributeError, ValueError, TypeError, KeyError, RecursionError):
         raise StoreError(f"{path}: cannot be read, expected the manifest of an archive") from None
+
+
+def _embargoes(stated: Mapping[str, Any]) -> Embargoes:
+    for visibility, until in stated.values():
+        moment_from(until)
+        if visibility not in VISIBILITIES:
+            raise ValueError
+    return {str(digest): (visibility, until) for digest, (visibility, until) in stated.items()}
 
 
 @contextmanager
@@ -175,5 +199,7 @@ def _rows(path: Path, metadata: FileMetaData, group: int, columns: Sequence[str]
     return rows
 
 
-def _recording(rows: Callable[[], Sequence[Mapping[str, Any]]], place: int, folder: Path) -> Recording:
-    return recording_at(rows()[place], folder)
+def _recording(
+    rows: Callable[[], Sequence[Mapping[str, Any]]], place: int, folder: Path, embargoed: Embargoes
+) -> Recording:
+    return with_embargo(recording_at(rows()[place], folder), embargoed)

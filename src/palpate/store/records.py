@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from datetime import datetime
+from datetime import UTC, datetime
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,18 @@ from numpy.typing import NDArray
 
 from palpate.store.entries import Entry
 
-__all__ = ["Channel", "Device", "FileItem", "Pose", "Receipt", "Recording", "Series", "Setup", "ThingRef"]
+__all__ = [
+    "Channel",
+    "Device",
+    "FileItem",
+    "Pose",
+    "Receipt",
+    "Recording",
+    "Series",
+    "Setup",
+    "ThingRef",
+    "visibility_now",
+]
 
 VISIBILITIES = ("private", "lab", "public")
 DEVICE_KINDS = ("arm", "gripper", "camera", "microphone", "other")
@@ -220,6 +231,8 @@ class Recording:
         Version and address of the program that measured.
     log, notices
         What the program printed, and what was odd.
+    embargoed_until
+        Until when only those see it who would if it were private; with a time zone.
     id
         Its own, whatever it holds.
 
@@ -251,11 +264,12 @@ class Recording:
     entries: tuple[Entry, ...] = ()
     log: str = ""
     notices: tuple[str, ...] = ()
+    embargoed_until: datetime | None = None
     id: UUID = field(default_factory=uuid4)
 
     @cached_property
     def document(self) -> str:
-        """All but id, visibility, arrays, files and log, as JSON: what is hashed and stored."""
+        """All but id, visibility, embargo, arrays, files and log, as JSON: what is hashed and stored."""
         from palpate.store.content import document
 
         return document(self)
@@ -264,12 +278,23 @@ class Recording:
     def digest(self) -> str:
         """SHA-256 of the content, in hexadecimal digits.
 
-        The id, the visibility and the time of upload do not count, so that the same measurement sent twice is known
+        The id, who may see it, and who sent it when do not count, so that the same measurement sent twice is known
         as one.
         """
         from palpate.store.content import recording_digest
 
         return recording_digest(self)
+
+
+def visibility_now(visibility: str, embargoed_until: datetime | None) -> str:
+    """Who may see something now: what is embargoed is private until then.
+
+    Examples
+    --------
+    >>> visibility_now("public", datetime(2999, 1, 1, tzinfo=UTC)), visibility_now("public", None)
+    ('private', 'public')
+    """
+    return visibility if embargoed_until is None or embargoed_until <= datetime.now(UTC) else "private"
 
 
 @dataclass(frozen=True)

@@ -48,6 +48,7 @@ class Prepared:
     log: Row
     series: tuple[Row, ...]
     is_known_wrong: bool = False
+    uploader: str | None = None
 
     def recording_row(self, row: int, shared: Registry, uploaded_us: int) -> Row:
         """Its row in `recordings`."""
@@ -69,6 +70,8 @@ class Prepared:
             "document": recording.document,
             **self.log,
             "seal": seal_of(bytes.fromhex(recording.digest), recording.document),
+            "uploaded_by": self.uploader,
+            "embargoed_us": None if recording.embargoed_until is None else microseconds(recording.embargoed_until),
         }
 
     def series_rows(self, row: int, shared: Registry) -> Iterator[Row]:
@@ -90,7 +93,7 @@ class Prepared:
             }
 
 
-def prepare(recording: Recording, blobs: Blobs) -> Prepared:
+def prepare(recording: Recording, blobs: Blobs, *, uploader: str | None = None) -> Prepared:
     """Compress a recording, and put into the blobs what is large: what nothing refers to in the end is only waste."""
     for item in recording.files:
         blobs.put(item.sha256, item.data)
@@ -99,7 +102,7 @@ def prepare(recording: Recording, blobs: Blobs) -> Prepared:
         packed = _placed("data", "blob", pack_series(one), blobs)
         series.append({"name": one.name, "layout": one.layout, **packed})
     log = pack_bytes(recording.log.encode()) if recording.log else None
-    return Prepared(recording, _placed("log", "log_blob", log, blobs), tuple(series))
+    return Prepared(recording, _placed("log", "log_blob", log, blobs), tuple(series), uploader=uploader)
 
 
 def _placed(column: str, blob_column: str, data: bytes | None, blobs: Blobs) -> Row:

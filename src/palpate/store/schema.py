@@ -142,6 +142,8 @@ recordings = Table(
     Column("log", LargeBinary),
     Column("log_blob", LargeBinary(32)),
     Column("seal", LargeBinary(32)),
+    Column("uploaded_by", String),
+    Column("embargoed_us", BigInteger),
     Index(None, "recorded_us", "id"),
     Index(None, "thing_id", "recorded_us", "id"),
     Index(None, "setup_id", "recorded_us", "id"),
@@ -206,6 +208,8 @@ episodes = Table(
     Column("actions", Integer, nullable=False, server_default="0"),
     Column("stop", Text),
     Column("document", Text, nullable=False),
+    Column("uploaded_by", String),
+    Column("embargoed_us", BigInteger),
     Index(None, "started_us", "id"),
     Index(None, "thing_id", "started_us", "id"),
 )
@@ -228,6 +232,8 @@ audit = Table(
     Column("detail", Text, nullable=False),
     Column("undone_us", BigInteger),
     Column("undone_by", String),
+    Column("recording_id", Id, ForeignKey("recordings.id"), index=True),
+    Column("episode_id", Id, ForeignKey("episodes.id"), index=True),
 )
 users = Table(
     "users",
@@ -238,6 +244,9 @@ users = Table(
     Column("password_hash", String),
     Column("role", String, nullable=False),
     Column("created_us", BigInteger, nullable=False),
+    Column("oidc_issuer", String),
+    Column("oidc_subject", String),
+    Index(None, "oidc_issuer", "oidc_subject", unique=True),
 )
 tokens = Table(
     "tokens",

@@ -64,10 +64,17 @@ class Store:
         """Close all connections."""
         self.engine.dispose()
 
-    def put(self, recording: Recording) -> Receipt:
+    def put(self, recording: Recording, *, uploader: str | None = None) -> Receipt:
         """Keep a recording, in one transaction.
 
         When this returns the recording is in the store. The same content again is the same recording.
+
+        Parameters
+        ----------
+        recording
+            What to keep.
+        uploader
+            The account that has sent it, where one did. Of several that send the same, the first counts.
 
         Raises
         ------
@@ -75,10 +82,15 @@ class Store:
             If it may not be kept (see `palpate.store.checks.check`), or its id belongs to another recording; nothing
             is in the store then. It is an `UnavailableError` where the database cannot be used.
         """
-        return self.put_many([recording])[0]
+        return self.put_many([recording], uploader=uploader)[0]
 
     def put_many(
-        self, recordings: Iterable[Recording], *, known_wrong: Collection[str] = (), kept_before: Collection[str] = ()
+        self,
+        recordings: Iterable[Recording],
+        *,
+        known_wrong: Collection[str] = (),
+        kept_before: Collection[str] = (),
+        uploader: str | None = None,
     ) -> list[Receipt]:
         """Keep several recordings, all in one transaction or none.
 
@@ -91,6 +103,8 @@ class Store:
             and do not count (see `palpate.store.units.change_unit`).
         kept_before
             Digests of those that a store has had, see `is_new` of `palpate.store.checks.check`.
+        uploader
+            As of `put`.
 
         Raises
         ------
@@ -100,7 +114,7 @@ class Store:
         batch = list(recordings)
         for recording in batch:
             check(recording, is_new=not kept_before or recording.digest not in kept_before)
-        prepared = [prepare(recording, self.blobs) for recording in batch]
+        prepared = [prepare(recording, self.blobs, uploader=uploader) for recording in batch]
         if known_wrong:
             prepared = [replace(one, is_known_wrong=one.recording.digest in known_wrong) for one in prepared]
         return self._commit_or_again(prepared, ATTEMPTS)

@@ -1,19 +1,23 @@
 """Who may see what: conditions that stand in every question of a server, so that nothing is filtered afterwards.
 
 A recording or an episode is seen by all where it is public, by everybody with an account where it is for the lab, and
-by its owner and administrators where it is private. An object is seen where something that was done with it is, or
-where nothing was done with it yet; a setup where a recording is that was made with it.
+by its owner, by who has sent it, and by administrators where it is private or until its embargo ends. An object is seen
+where something that was done with it is, or where nothing was done with it yet; a setup where a recording is that was
+made with it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
-from sqlalchemy import ColumnElement, Select, Table, exists, func, not_, or_, select, true, union
+from sqlalchemy import ColumnElement, Select, Table, and_, exists, func, not_, or_, select, true, union
 
 from palpate.store import schema
+from palpate.store.embargo import is_over
 from palpate.store.filters import Filter
+from palpate.store.registry import now_us
 
 __all__ = ["Viewer", "VisibleFilter"]
 
@@ -33,8 +37,9 @@ class Viewer:
 
     Examples
     --------
-    >>> str(Viewer().of(schema.recordings))
-    'recordings.visibility = :visibility_1'
+    >>> print(Viewer().of(schema.recordings))  # doctest: +NORMALIZE_WHITESPACE
+    recordings.visibility IN (__[POSTCOMPILE_visibility_1])
+    AND (recordings.embargoed_us IS NULL OR recordings.embargoed_us <= :embargoed_us_1)
     """
 
     name: str | None = None
@@ -45,12 +50,15 @@ class Viewer:
         """The condition on `schema.recordings` or `schema.episodes` that a row is seen."""
         if self.everything:
             return true()
-        seen = [table.c.visibility == "public"]
-        if self.lab:
-            seen.append(table.c.visibility == "lab")
-        if self.name is not None:
-            seen.append(table.c.owner == self.name)
-        return or_(*seen)
+        shown = ("public", "lab") if self.lab else ("public",)
+        open_ = [and_(table.c.visibility.in_(shown), is_over(table, self.now_us))]
+        own = [] if self.name is None else [table.c.owner == self.name, table.c.uploaded_by == self.name]
+        return or_(*open_, *own)
+
+    @cached_property
+    def now_us(self) -> int:
+        """When they look: all that they ask in one request is told as of one moment."""
+        return now_us()
 
     def things(self) -> ColumnElement[bool]:
         """The condition on `schema.things` that one is seen by itself, whatever is merged into it."""

@@ -14,7 +14,7 @@ from palpate.store.content import canonical_dtype, device_plain, to_json
 from palpate.store.entries import Distribution, FailedEntry
 from palpate.store.exporting.census import Census
 from palpate.store.exporting.columns import AUDIOS, CHANNELS, ENTRIES, FILES, IMAGES, RECORDINGS, Table
-from palpate.store.records import Channel, FileItem, Pose, Recording
+from palpate.store.records import Channel, FileItem, Pose, Recording, visibility_now
 from palpate.store.rows import counted, entry_columns, gripper_of
 
 __all__ = ["object_rows", "rows_of", "setup_rows"]
@@ -88,10 +88,11 @@ def _shared(recording: Recording) -> Row:
 
 
 def _recording_row(recording: Recording) -> Row:
-    same = ("digest", "owner", "licence", "visibility", "software", "repository", "log")
+    same = ("digest", "owner", "licence", "software", "repository", "log")
     return {
         **_shared(recording),
         **{name: getattr(recording, name) for name in same},
+        "visibility": visibility_now(recording.visibility, recording.embargoed_until),
         "common_name": recording.thing.common_name,
         "setup": recording.setup.digest,
         "grasp_json": None if recording.grasp is None else to_json(recording.grasp),

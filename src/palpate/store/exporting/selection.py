@@ -14,11 +14,12 @@ from sqlalchemy import Connection, Select, exists, func, select
 from palpate.store import schema
 from palpate.store.database import snapshot
 from palpate.store.decoding import moment_from
+from palpate.store.embargo import embargo_of
 from palpate.store.errors import DamagedError
 from palpate.store.fetching import Broken, read_each, setup_of
 from palpate.store.filters import Filter, Sort
 from palpate.store.listing import matching
-from palpate.store.records import Recording, Setup, ThingRef
+from palpate.store.records import Recording, Setup, ThingRef, visibility_now
 from palpate.store.registry import thing_of
 from palpate.store.seals import sealed_document
 from palpate.store.store import Store
@@ -35,8 +36,10 @@ class Outline:
 
     Attributes
     ----------
-    id, digest, visibility
+    id, digest
         As of the recording.
+    visibility
+        Who may see it now.
     thing, setup
         The object and the devices.
     document
@@ -175,7 +178,7 @@ def _large(ids: Sequence[int]) -> Select[int]:
 
 def _outlines(ids: Sequence[int]) -> Select[*tuple[Any, ...]]:
     recordings, things, setups = schema.recordings, schema.things, schema.setups
-    columns = [recordings.c[name] for name in ("uuid", "digest", "visibility", "document", "seal")]
+    columns = [recordings.c[name] for name in ("uuid", "digest", "visibility", "embargoed_us", "document", "seal")]
     return (
         select(*columns, things, setups.c.digest.label("setup_digest"), setups.c.document.label("setup"))
         .join(things, recordings.c.thing_id == things.c.id)
@@ -190,7 +193,7 @@ def _outline(row: Mapping[Any, Any]) -> Outline:
     return Outline(
         id=UUID(bytes=row["uuid"]),
         digest=row["digest"],
-        visibility=row["visibility"],
+        visibility=visibility_now(row["visibility"], embargo_of(row["embargoed_us"])),
         thing=thing_of({column.name: row[column] for column in schema.things.c}),
         setup=setup_of(row["setup_digest"], row["setup"]),
         document=document,

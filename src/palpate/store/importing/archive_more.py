@@ -13,12 +13,13 @@ from palpate.store.archive_rows import blob_of
 from palpate.store.archive_things import OBJECTS, archived_thing, objects_schema
 from palpate.store.completing import joined_things
 from palpate.store.describing import add_thing, change_thing
+from palpate.store.embargo import with_embargo
 from palpate.store.episodes import StoredEpisode
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.importing.items import Fate, Outcome
 from palpate.store.keeping_episodes import put_episode
 from palpate.store.merging import merge_things
-from palpate.store.reading_archive import opened_table
+from palpate.store.reading_archive import opened_table, stated_embargoes
 from palpate.store.records import ThingRef
 from palpate.store.store import Store
 from palpate.store.things import Thing, find_thing
@@ -54,8 +55,10 @@ def more_of_archive(store: Store, folder: Path) -> Iterator[Outcome]:
     for thing in things:
         if thing.merged_into is not None:
             yield from _merged(store, folder, thing, thing.merged_into)
+    stated = stated_embargoes(folder)
     for key, episode in archived_episodes(_rows(folder / EPISODES, episodes_schema())):
-        yield _kept(store, f"{folder}: episode {key}", episode)
+        known = episode if isinstance(episode, str) else with_embargo(episode, stated)
+        yield _kept(store, f"{folder}: episode {key}", known)
 
 
 def _rows(path: Path, columns: pyarrow.Schema) -> Iterator[Mapping[str, Any]]:

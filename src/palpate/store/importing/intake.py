@@ -35,7 +35,9 @@ class Read:
     was_kept: bool
 
 
-def import_paths(store: Store, paths: Iterable[Path], formats: Sequence[Format]) -> Iterator[Outcome]:
+def import_paths(
+    store: Store, paths: Iterable[Path], formats: Sequence[Format], *, uploader: str | None = None
+) -> Iterator[Outcome]:
     """Put the recordings in files and folders into a store, and tell what became of each once it is committed.
 
     Whatever ends this in the middle, what was committed is whole and stays. Run again it goes on: a recording that
@@ -49,6 +51,8 @@ def import_paths(store: Store, paths: Iterable[Path], formats: Sequence[Format])
         Files and folders; a folder may hold any of the formats.
     formats
         Which are looked for; the first that owns a path reads it.
+    uploader
+        The account that has sent them, where one did.
 
     Yields
     ------
@@ -62,7 +66,7 @@ def import_paths(store: Store, paths: Iterable[Path], formats: Sequence[Format])
     """
     unknown, whole = list[Outcome](), list[Found]()
     used: set[str] = set()
-    for outcome in _taken(store, _items(store, find(paths, formats), unknown, whole)):
+    for outcome in _taken(store, _items(store, find(paths, formats), unknown, whole), uploader):
         used.update(_files_beside(outcome))
         yield outcome
     for found in whole:
@@ -98,7 +102,7 @@ def _files_beside(outcome: Outcome) -> Iterator[str]:
         yield from (str(item.data) for item in files if isinstance(item.data, Path))
 
 
-def _taken(store: Store, items: Iterator[Item | Outcome]) -> Iterator[Outcome]:
+def _taken(store: Store, items: Iterator[Item | Outcome], uploader: str | None) -> Iterator[Outcome]:
     """Read items and put them into the store, as many at once as is quick."""
     presence = Presence(store)
     while chunk := list(islice(items, AT_ONCE)):
@@ -112,9 +116,9 @@ def _taken(store: Store, items: Iterator[Item | Outcome]) -> Iterator[Outcome]:
             batch.append(outcome)
             size_bytes += outcome.size_bytes
             if size_bytes > LARGEST_BATCH_BYTES:
-                yield from _keep(presence, batch)
+                yield from _keep(presence, batch, uploader)
                 batch, size_bytes = [], 0
-        yield from _keep(presence, batch)
+        yield from _keep(presence, batch, uploader)
 
 
 def _read(item: Item | Outcome, known: Collection[str]) -> Read | Outcome:
@@ -133,14 +137,15 @@ def _read(item: Item | Outcome, known: Collection[str]) -> Read | Outcome:
         return Outcome(item.source, Fate.REFUSED, told(error, item.source))
 
 
-def _keep(presence: Presence, batch: Sequence[Read]) -> Iterator[Outcome]:
+def _keep(presence: Presence, batch: Sequence[Read], uploader: str | None) -> Iterator[Outcome]:
     """Keep what the store does not have whole: looking up a digest is quicker than putting it again."""
     known, broken = presence.known(one.recording.digest for one in batch)
     yield from (Outcome(one.source, Fate.KNOWN, None, one.recording) for one in batch if one.recording.digest in known)
-    yield from _put(presence.store, [one for one in batch if one.recording.digest not in known], broken)
+    lacking = [one for one in batch if one.recording.digest not in known]
+    yield from _put(presence.store, lacking, broken, uploader)
 
 
-def _put(store: Store, batch: Sequence[Read], broken: Collection[str]) -> Iterator[Outcome]:
+def _put(store: Store, batch: Sequence[Read], broken: Collection[str], uploader: str | None) -> Iterator[Outcome]:
     """Put recordings at once; where one is refused, each half by itself, so that it does not hold up the others.
 
     Parameters
@@ -152,7 +157,7 @@ def _put(store: Store, batch: Sequence[Read], broken: Collection[str]) -> Iterat
         wrong = {one.recording.digest for one in batch if one.is_known_wrong}
         kept = {one.recording.digest for one in batch if one.was_kept}
         recordings = [one.recording for one in batch]
-        receipts = store.put_many(recordings, known_wrong=wrong, kept_before=kept) if batch else []
+        receipts = store.put_many(recordings, known_wrong=wrong, kept_before=kept, uploader=uploader) if batch else []
     except UnavailableError:
         raise
     except StoreError as error:
@@ -160,8 +165,8 @@ def _put(store: Store, batch: Sequence[Read], broken: Collection[str]) -> Iterat
             yield Outcome(batch[0].source, Fate.REFUSED, told(error, batch[0].source))
             return
         middle = len(batch) // 2
-        yield from _put(store, batch[:middle], broken)
-        yield from _put(store, batch[middle:], broken)
+        yield from _put(store, batch[:middle], broken, uploader)
+        yield from _put(store, batch[middle:], broken, uploader)
         return
     for one, receipt in zip(batch, receipts, strict=True):
         there = Fate.MENDED if receipt.digest in broken else Fate.KNOWN

@@ -13,10 +13,13 @@ from palpate.store.decoding import entry_from, pose_from, setup_from, thing_from
 from palpate.store.errors import StoreError
 from palpate.store.records import Recording
 
-__all__ = ["FIELDS", "decode", "encode", "updated"]
+__all__ = ["FIELDS", "LATER", "decode", "encode", "updated"]
 
 FIELDS = tuple(name for name in Recording.__dataclass_fields__ if name not in ("series", "files", "log"))
 """Fields that JSON can hold."""
+
+LATER = ("embargoed_until",)
+"""Fields that earlier versions do not know, and that are written only where they say something."""
 
 APPENDED = ("entries", "notices")
 """Fields that hold several values, of which more can come."""
@@ -30,7 +33,7 @@ def encode(fields: Mapping[str, Any]) -> dict[str, Any]:
     >>> encode({"action": "weighing", "notices": ("cold",)})
     {'action': 'weighing', 'notices': ['cold']}
     """
-    return {name: _ENCODE.get(name, _as_it_is)(value) for name, value in fields.items()}
+    return {name: _ENCODE.get(name, _as_it_is)(value) for name, value in fields.items() if _is_told(name, value)}
 
 
 def decode(plain: Mapping[str, Any], where: str) -> dict[str, Any]:
@@ -58,6 +61,10 @@ def updated(recording: Recording, fields: Mapping[str, Any]) -> Recording:
     return replace(recording, **{**fields, **appended})
 
 
+def _is_told(name: str, value: Any) -> bool:
+    return name not in LATER or value is not None
+
+
 def _as_it_is(value: Any) -> Any:
     return value
 
@@ -71,6 +78,7 @@ _ENCODE: Mapping[str, Callable[[Any], Any]] = {
     "object_pose": pose_plain,
     "entries": lambda entries: [entry_plain(entry) for entry in entries],
     "notices": list,
+    "embargoed_until": datetime.isoformat,
 }
 _DECODE: Mapping[str, Callable[[Any], Any]] = {
     "id": UUID,
@@ -81,4 +89,5 @@ _DECODE: Mapping[str, Callable[[Any], Any]] = {
     "object_pose": pose_from,
     "entries": lambda plain: tuple(map(entry_from, plain)),
     "notices": tuple,
+    "embargoed_until": lambda plain: None if plain is None else datetime.fromisoformat(plain),
 }

@@ -16,7 +16,7 @@ from palpate.store.entries import FailedEntry
 from palpate.store.errors import DamagedError, StoreError
 from palpate.store.importing.folder import FORMAT, JOURNAL, LOG, checksum
 from palpate.store.importing.paths import inside
-from palpate.store.importing.plain import FIELDS, decode, updated
+from palpate.store.importing.plain import FIELDS, LATER, decode, updated
 from palpate.store.records import Channel, FileItem, Recording, Series
 
 __all__ = ["is_whole", "read_folder", "read_remainder", "stated_digest"]
@@ -111,7 +111,7 @@ def _recording(folder: Path, lines: list[Line]) -> Recording:
     if header.pop("format", None) != FORMAT:
         raise StoreError(f"{folder / JOURNAL}: the format is {lines[0].get('format')!r}, expected {FORMAT!r}")
     fields = decode(header, str(folder / JOURNAL))
-    missing = [name for name in FIELDS if name not in fields]
+    missing = [name for name in FIELDS if name not in fields and name not in LATER]
     if missing:
         raise DamagedError(f"{folder / JOURNAL} line 1: {missing[0]!r} is missing, expected all fields of a recording")
     recording = Recording(**fields)
