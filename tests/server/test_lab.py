@@ -60,6 +60,6 @@ def test_systemd_reads_the_units(tmp_path: Path) -> None:
     """No line of them is unknown to it; the programs need not be here."""
     for name, text in UNITS.items():
         (tmp_path / name).write_text(re.sub(r"^ExecStart=\S+", "ExecStart=/bin/true", text, flags=re.MULTILINE))
-        command = ["systemd-analyze", "verify", "--man=no", "--recursive-errors=no", tmp_path / name]
+        command = ["systemd-analyze", "verify", "--man=no", "--recursive-errors=no", str(tmp_path / name)]
         done = subprocess.run(command, check=False, capture_output=True, text=True)
         assert [line for line in done.stderr.splitlines() if name in line] == []
