@@ -14,7 +14,8 @@ from palpate.server import watching
 from palpate.server.api import corrections, episodes, objects, recordings, results, series, setups, users
 from palpate.server.heads import HeadAsGet
 from palpate.server.pages import site
-from palpate.server.problems import Problem, Unexpected, install
+from palpate.server.problems import OLD_ADDRESSES, Problem, Unexpected, install
+from palpate.server.rest import addresses
 from palpate.server.security.bodies import BodyLimits
 from palpate.server.security.headers import SecurityHeaders
 from palpate.server.security.hosts import KnownHosts
@@ -61,6 +62,7 @@ def application(store: Store, settings: Settings | None = None) -> FastAPI:
     for part in PARTS:
         service.include_router(part.router)
     app.include_router(service)
+    app.include_router(addresses.router, include_in_schema=False)
     site.install(app)
     return app
 
@@ -80,6 +82,7 @@ def _middleware(settings: Settings) -> list[Middleware]:
         uploads = (method == "POST" and path == all_recordings) or (
             method == "PUT" and path.startswith(f"{all_recordings}/")
         )
+        uploads = uploads or (method == "POST" and path.startswith(OLD_ADDRESSES))
         return settings.largest_upload_bytes if uploads else settings.largest_body_bytes
 
     found = [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import re
 from collections.abc import Mapping, Sequence
@@ -10,7 +11,7 @@ from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse
+from fastapi.responses import JSONResponse, PlainTextResponse
 from pydantic import BaseModel
 from sqlalchemy.exc import DataError, OperationalError
 from starlette.exceptions import HTTPException
@@ -21,11 +22,21 @@ from palpate.errors import PalpateError
 from palpate.server.pages.templates import error_page
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
 
-__all__ = ["Problem", "ProblemError", "Unexpected", "install", "problem", "problem_of_store", "problem_response"]
+__all__ = [
+    "OLD_ADDRESSES",
+    "Problem",
+    "ProblemError",
+    "Unexpected",
+    "install",
+    "problem",
+    "problem_of_store",
+    "problem_response",
+]
 
 _log = logging.getLogger("palpate.server")
 FIELD = re.compile(r"([A-Za-z_][\w-]*(?:\[\d+\])?(?:\.[A-Za-z_][\w-]*(?:\[\d+\])?)*): (.*)", re.DOTALL)
 MEDIA_TYPE = "application/problem+json"
+OLD_ADDRESSES = "/rest/"
 
 
 class Field(BaseModel):
@@ -95,7 +106,19 @@ def _answer(request: Request, error: HTTPException) -> Response:
 
 def problem_response(found: Problem, headers: Mapping[str, str]) -> JSONResponse:
     """A problem as the answer to a program."""
-    return JSONResponse(found.model_dump(), found.status, headers, MEDIA_TYPE)
+    return _Told(found.model_dump(), found.status, headers, MEDIA_TYPE)
+
+
+class _Told(JSONResponse):
+    """A problem as JSON; as a sentence at the old program's addresses, whose uploader takes any JSON for a success."""
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if not scope["path"].startswith(OLD_ADDRESSES):
+            await super().__call__(scope, receive, send)
+            return
+        headers = {name: value for name, value in self.headers.items() if not name.startswith("content-")}
+        told = json.loads(bytes(self.body))["detail"]
+        await PlainTextResponse(f"{told}\n", self.status_code, headers)(scope, receive, send)
 
 
 def _is_page(request: Request) -> bool:

@@ -17,12 +17,15 @@ from palpate.server.api.queries import ObjectQuery
 from palpate.server.corrections import may_change
 from palpate.server.pages.templates import page
 from palpate.server.plots.points import points_plot
+from palpate.server.rest.proposals import PROPOSAL
 from palpate.server.security.who import Who
 from palpate.store.entries import Value
 from palpate.store.listing import list_recordings
 from palpate.store.listing_episodes import list_episodes
+from palpate.store.parts import Head, head_of
+from palpate.store.store import Store
 from palpate.store.things import Thing
-from palpate.store.viewing import VisibleFilter
+from palpate.store.viewing import Viewer, VisibleFilter
 from palpate.store.visible_results import Result, results_of
 from palpate.store.visible_setups import seen_properties, seen_setups
 from palpate.store.visible_things import list_visible_things
@@ -31,6 +34,7 @@ __all__ = ["router"]
 
 router = APIRouter(prefix="/objects")
 CARDS = 24
+PROPOSALS = 10
 
 
 @router.get("")
@@ -75,7 +79,15 @@ def one(request: Request, store: StoreOf, who: Who, thing: SeenThing) -> HTMLRes
         properties=[_about(name, results, thing) for name in names],
         recordings=list_recordings(store, VisibleFilter(thing=thing.path, viewer=who.viewer), limit=20),
         episodes=list_episodes(store, thing=thing.path, viewer=who.viewer, limit=10).rows,
+        proposals=_proposals(store, who.viewer, thing),
     )
+
+
+def _proposals(store: Store, viewer: Viewer, thing: Thing) -> list[Head]:
+    """Grasps that somebody proposes for an object, the last ones."""
+    wanted = VisibleFilter(thing=thing.path, action=PROPOSAL, viewer=viewer)
+    found = (head_of(store, viewer, row.id) for row in list_recordings(store, wanted, limit=PROPOSALS).rows)
+    return [head for head in found if head is not None]
 
 
 def _about(name: str, results: Sequence[Result], thing: Thing) -> About:

@@ -50,6 +50,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     found.filters |= {"number": number, "day": _day, "moment": _moment, "entry": entry_text, "plural": _plural}
+    found.filters |= {"grasp": grasp_text}
     found.globals |= {"thing_url": _thing_url, "asset": _asset, "version": __version__, "with_query": _with_query}
     found.globals |= {"search": _search}
     return found
@@ -75,6 +76,28 @@ def entry_text(entry: Entry) -> str:
         side, value = ("above", entry.above) if entry.above is not None else ("below", entry.below)
         return f"{side} {number(value or 0.0)} {_unit(entry.unit)}"
     return f"failed: {entry.reason}"
+
+
+def grasp_text(grasp: Mapping[str, Any]) -> str:
+    """How an object was held, or could be, as people read it: in the words in which it was given.
+
+    Examples
+    --------
+    >>> grasp_text({"proposed": True, "translation": [0.1, 0, 0.25], "gripper": "robotiq_2f85"})
+    'proposed; translation 0.1, 0, 0.25; gripper robotiq_2f85'
+    """
+    return "; ".join(_grasp_part(name, value) for name, value in grasp.items() if value not in (None, False))
+
+
+def _grasp_part(name: str, value: Any) -> str:
+    told = name.replace("_", " ")
+    if value is True:
+        return told
+    if isinstance(value, list):
+        value = ", ".join(str(one) for one in value)
+    if isinstance(value, Mapping):
+        value = ", ".join(f"{key} {one}" for key, one in value.items())
+    return f"{told} {value}"
 
 
 def _unit(unit: str | None) -> str:

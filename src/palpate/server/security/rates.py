@@ -42,11 +42,18 @@ class Rate:
     def wait_s(self, key: str) -> float:
         """Count one; how long to wait where it is one too many, and then it does not count [s]."""
         now = self._clock()
+        wait_s = self._wait_s(key, now)
+        if not wait_s:
+            self._keep(key, self._now(key, now) - 1, now)
+        return wait_s
+
+    def would_wait_s(self, key: str) -> float:
+        """As `wait_s`, and nothing is counted: for what counts only where it fails [s]."""
+        return self._wait_s(key, self._clock())
+
+    def _wait_s(self, key: str, now: float) -> float:
         left = self._now(key, now)
-        if left < 1:
-            return round((1 - left) / self.per_s, 3)
-        self._keep(key, left - 1, now)
-        return 0.0
+        return round((1 - left) / self.per_s, 3) if left < 1 else 0.0
 
     def _now(self, key: str, now: float) -> float:
         left, at = self._left.get(key, (float(self.burst), now))

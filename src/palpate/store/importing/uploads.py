@@ -20,7 +20,7 @@ from palpate.store.importing.upload_entries import entries_in
 from palpate.store.importing.upload_format import AS_PUBLISHED, FILE_NAME, Conventions, UploadDictionary
 from palpate.store.records import FileItem, Recording
 
-__all__ = ["UploadDictionaries", "read_upload"]
+__all__ = ["UploadDictionaries", "measurement_of", "read_upload"]
 
 
 class UploadDictionaries:
@@ -59,27 +59,56 @@ def read_upload(file: Path, conventions: Conventions = AS_PUBLISHED) -> Recordin
     dictionary = UploadDictionary.read(file)
     notices: list[str] = []
     name = str(dictionary.at("entry", "name"))
+    recording = measurement_of(dictionary, conventions, notices, action=conventions.actions.get(name, name))
     repository = dictionary.mapping("entry").get("repository")
-    measurement, where = dictionary.mapping("measurement"), f"{dictionary.file}: measurement."
-    samples, paths = dictionary.signals()
-    series = series_of(samples, conventions, notices)
-    files = [_file(dictionary, channel, path, notices) for channel, path in paths.items()]
-    recording = Recording(
-        recorded_at=_moment(dictionary, notices),
-        action=conventions.actions.get(name, name),
-        thing=thing_of(dictionary.mapping("measurement", "object_instance"), notices),
-        setup=setup_of(dictionary.mapping("measurement", "setup")),
+    recording = replace(
+        recording,
         repository=repository if isinstance(repository, str) else None,
-        grasp=grasp_of(measurement),
-        gripper_pose=pose_of(measurement, "gripper_pose", where, notices),
-        object_pose=pose_of(measurement, "object_pose", where, notices),
-        series=series,
-        files=(*(item for item in files if item is not None), _original(dictionary)),
+        files=(*recording.files, _original(dictionary)),
         entries=entries_in(dictionary, conventions, notices),
     )
     recording = replace(recording, notices=tuple(notices))
     check(recording)
     return identified(recording)
+
+
+def measurement_of(
+    dictionary: UploadDictionary,
+    conventions: Conventions,
+    notices: list[str],
+    *,
+    action: str,
+    recorded_at: datetime | None = None,
+) -> Recording:
+    """The measurement of an upload dictionary without what was made of it; what is odd is added to the notices.
+
+    Parameters
+    ----------
+    action
+        What was done.
+    recorded_at
+        When; unless given, the file's name tells.
+
+    Raises
+    ------
+    LogError
+        If a part is missing, or is not what it should be.
+    """
+    measurement, where = dictionary.mapping("measurement"), f"{dictionary.file}: measurement."
+    samples, paths = dictionary.signals()
+    series = series_of(samples, conventions, notices)
+    files = [_file(dictionary, channel, path, notices) for channel, path in paths.items()]
+    return Recording(
+        recorded_at=recorded_at or _moment(dictionary, notices),
+        action=action,
+        thing=thing_of(dictionary.mapping("measurement", "object_instance"), notices),
+        setup=setup_of(dictionary.mapping("measurement", "setup")),
+        grasp=grasp_of(measurement),
+        gripper_pose=pose_of(measurement, "gripper_pose", where, notices),
+        object_pose=pose_of(measurement, "object_pose", where, notices),
+        series=series,
+        files=tuple(item for item in files if item is not None),
+    )
 
 
 def _moment(dictionary: UploadDictionary, notices: list[str]) -> datetime:
