@@ -14,7 +14,7 @@ from palpate.estimators.classifier import Classifier, fit_classifier
 from palpate.estimators.mel import from_mel, mel_bands, mel_spectrogram, to_mel
 from palpate.estimators.recorded_sound import one_channel, read_wav
 from palpate.estimators.signals import EstimatorError, SignalError
-from palpate.estimators.sound import FEATURES, decay_time_s, features, impact, loss_tangent
+from palpate.estimators.sound import FEATURES, check_decay, decay_time_s, features, impact, loss_tangent
 from palpate.outcomes import Failed, Posterior
 
 RATE_HZ = 44_100
@@ -101,6 +101,52 @@ def test_what_begins_and_stays_is_no_knock() -> None:
     swelling = rising * 0.3 * np.sin(2 * np.pi * 700 * seconds)
     with pytest.raises(SignalError, match="swells"):
         impact(swelling, RATE_HZ)
+
+
+@given(
+    st.sampled_from(["even", "faded", "round"]),
+    st.floats(0.02, 0.2),
+    st.floats(700, 6000),
+    st.booleans(),
+    st.integers(0, 2**32 - 1),
+)
+def test_beeps_and_bursts_of_noise_are_no_knocks(
+    shape: str, length_s: float, hertz: float, noisy: bool, seed: int
+) -> None:
+    """Whatever is held and then ends, at once or faded in and out, is refused, as a tone and as noise."""
+    rng, seconds = np.random.default_rng(seed), np.arange(RATE_HZ // 2) / RATE_HZ
+    inside = seconds < length_s
+    loudness = {
+        "even": inside,
+        "faded": np.clip(np.minimum(seconds, length_s - seconds) / 0.005, 0, 1),
+        "round": np.where(inside, np.sin(np.pi * seconds / length_s) ** 2, 0),
+    }[shape]
+    wave = rng.normal(0, 0.3, seconds.size) if noisy else np.sin(2 * np.pi * hertz * seconds)
+    before = np.zeros(4410 + int(rng.integers(220)))
+    beep = np.concatenate([before, 0.4 * loudness * wave])
+    with pytest.raises(SignalError):
+        features(impact(beep + rng.normal(0, 1e-3, beep.size), RATE_HZ))
+
+
+@given(
+    st.lists(st.tuples(st.floats(100, 8000), st.floats(0.02, 1.0), st.floats(0.1, 1)), min_size=1, max_size=6),
+    st.integers(0, 2**32 - 1),
+)
+def test_partials_that_die_away_are_a_knock(partials: list[tuple[float, float, float]], seed: int) -> None:
+    """Whatever their pitches, decays and levels: no knock is taken for a beep."""
+    rng, seconds = np.random.default_rng(seed), np.arange(RATE_HZ) / RATE_HZ
+    rings = [level * np.sin(2 * np.pi * f * seconds) * 10 ** (-3 * seconds / decay) for f, decay, level in partials]
+    sound = np.append(np.zeros(4410), sum(rings) / len(rings))
+    check_decay(impact(sound + rng.normal(0, 1e-4, sound.size), RATE_HZ))
+
+
+@pytest.mark.parametrize("samples", [1, 2, 5])
+def test_a_click_is_no_knock(samples: int) -> None:
+    """Of what is over at once no decay can be told."""
+    click = np.zeros(RATE_HZ // 2)
+    click[4410 : 4410 + samples] = 0.5
+    with pytest.raises(SignalError):
+        features(impact(click + np.random.default_rng(6).normal(0, 1e-3, click.size), RATE_HZ))
 
 
 @pytest.mark.parametrize(

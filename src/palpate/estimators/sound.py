@@ -11,12 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from palpate.estimators.envelope import FRAME_S, check_dying, until_noise
 from palpate.estimators.mel import mel_spectrogram
 from palpate.estimators.signals import EstimatorError, SignalError, check_clipping, samples
 
 __all__ = ["FEATURES", "Impact", "check_decay", "decay_time_s", "features", "impact", "loss_tangent"]
 
-FRAME_S = 0.005
 LEAST_S = 0.05
 ONSET_TIMES = 8.0
 """An impact is so many times as loud as the noise before it."""
@@ -138,7 +138,7 @@ def decay_time_s(sound: ArrayLike, rate_hz: float, *, noise_rms: float = 0.0) ->
     """
     power = np.asarray(sound, dtype=np.float64) ** 2
     if noise_rms > 0:
-        power = _until_noise(power, rate_hz, noise_rms) - noise_rms**2
+        power = until_noise(power, rate_hz, noise_rms) - noise_rms**2
     found, rest = float("nan"), 0.0
     for _ in range(ROUNDS):
         # what would have come after the end belongs to the integral as well
@@ -176,7 +176,8 @@ def loss_tangent(frequency_hz: float, decay_s: float) -> float:
 
 
 def check_decay(knock: Impact) -> float:
-    """Time in which a knock falls by 60 dB [s]; SignalError if it does not die away, and so is none."""
+    """Time in which a knock falls by 60 dB [s]; SignalError if it does not die away, or is held before."""
+    check_dying(knock.samples, knock.rate_hz, knock.noise_rms)
     found = _decay(knock, None)
     if not np.isfinite(found):
         raise SignalError("recording: what begins in it does not die away above the noise, as a knock would")
@@ -192,7 +193,8 @@ def features(knock: Impact) -> NDArray[np.float64]:
     Raises
     ------
     SignalError
-        If the sound does not die away: then it was no knock, or the recording is too short or too noisy to tell.
+        If the sound does not die away from its beginning on: then it was no knock, or the recording is too short or
+        too noisy to tell.
     """
     whole = check_decay(knock)
     spectrum = np.abs(np.fft.rfft(knock.samples * np.hanning(2 * knock.samples.size)[knock.samples.size :])) ** 2
@@ -227,14 +229,6 @@ def _decay(knock: Impact, band: tuple[float, float] | None, otherwise: float = f
         noise *= float(np.sqrt((high - low) / (knock.rate_hz / 2)))
     found = decay_time_s(sound, knock.rate_hz, noise_rms=noise)
     return min(max(found, 1e-3), 20.0) if np.isfinite(found) else otherwise
-
-
-def _until_noise(power: NDArray[np.float64], rate_hz: float, noise_rms: float) -> NDArray[np.float64]:
-    """The beginning, until the sound is as weak as the noise."""
-    frame = max(int(FRAME_S * rate_hz), 1)
-    levels = power[: power.size // frame * frame].reshape(-1, frame).mean(axis=1)
-    weak = np.flatnonzero(levels < 2 * noise_rms**2)
-    return power[: int(weak[0]) * frame] if weak.size else power
 
 
 def _audible(found: NDArray[np.float64], rate_hz: float) -> NDArray[np.float64]:
