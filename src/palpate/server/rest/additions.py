@@ -48,6 +48,7 @@ def addition_of_form(store: Store, viewer: Viewer, form: Form) -> Recording:
         entries=entries,
         files=(file_of_json("form.json", finite(form.content)),),
         visibility=head.visibility,
+        embargoed_until=head.embargoed_until,
     )
 
 

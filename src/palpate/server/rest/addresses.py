@@ -81,7 +81,7 @@ def _keep(state: State, who: Account, form: Form, read: Callable[[Form], Recordi
     if _is_there(state, who, recording.id):
         return recording, False
     try:
-        return recording, state.store.put(recording).new
+        return recording, state.store.put(recording, uploader=who.name).new
     except UnavailableError:
         raise
     except StoreError:
