@@ -18,9 +18,11 @@ from palpate.store.records import Channel, Device, FileItem, Recording, Series, 
 from palpate.store.store import Store
 from tests.server.conftest import KEY
 from tests.server.test_corrections import OPERATIONS
+from tests.server.test_sharing import OPERATIONS as SHARING
 from tests.store.made_up import made_episode, squeeze
 
 API = "/api/v1"
+SHARED = ("/recordings/{key}", "/episodes/{id}")
 VISIBILITIES = ("private", "lab", "public")
 PEOPLE = ("anonymous", "reader", "ann", "curator", "admin", "host")
 SEEN = {
@@ -221,6 +223,8 @@ def test_no_address_was_forgotten(client: TestClient, world: World) -> None:
         "/health",
         "/metrics",
         f"{API}/objects/a/b/history",
+        f"{API}/recordings/a/history",
+        f"{API}/episodes/a/history",
     ]
     assert not [pattern.pattern for pattern in patterns if not any(pattern.fullmatch(one) for one in asked)]
     others = {
@@ -234,6 +238,7 @@ def test_no_address_was_forgotten(client: TestClient, world: World) -> None:
         ("post", f"{API}/recordings/known"),
         ("delete", f"{API}/tokens/{{id}}"),
         *(one for one in corrections if one[0] != "get"),
+        *((method.lower(), f"{API}{of}{path}") for of in SHARED for method, path, _ in SHARING if method != "GET"),
     }
 
 

@@ -115,6 +115,7 @@ def poses(draw: st.DrawFn) -> Pose:
 @st.composite
 def recordings(draw: st.DrawFn) -> Recording:
     """Any recording that may be kept."""
+    embargoes = st.datetimes(datetime(1971, 1, 1), datetime(2100, 1, 1), timezones=st.just(UTC))
     moments = st.datetimes(datetime(1970, 1, 2), datetime(2024, 1, 1), timezones=st.just(UTC))
     files = st.builds(FileItem, names, st.just("image/png"), st.binary(max_size=20))
     return Recording(
@@ -125,7 +126,7 @@ def recordings(draw: st.DrawFn) -> Recording:
         owner=draw(st.none() | texts),
         licence=draw(st.none() | texts),
         visibility=draw(st.sampled_from(["private", "lab", "public"])),
-        embargoed_until=draw(st.none() | moments),
+        embargoed_until=draw(st.none() | embargoes),
         ground_truth=draw(st.booleans()),
         software=draw(st.none() | texts),
         repository=draw(st.none() | texts),

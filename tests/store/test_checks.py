@@ -39,6 +39,7 @@ REFUSED = [
     ({"owner": HALF_PAIR}, "owner: character 0 is half of a pair"),
     ({"licence": "a\0"}, "licence: holds a null character"),
     ({"embargoed_until": datetime(2030, 1, 1)}, "embargoed_until: 2030-01-01T00:00:00 has no time zone"),
+    ({"embargoed_until": datetime(1, 1, 1, tzinfo=UTC)}, "embargoed_until: found the year 1"),
     ({"visibility": "secret"}, "visibility: found 'secret'; choose from 'private', 'lab', 'public'"),
     ({"thing": ThingRef("", "a")}, "thing.dataset: is empty"),
     ({"thing": ThingRef("a", "b", attributes={"x": float("inf")})}, "thing.attributes.x: found inf"),

@@ -15,12 +15,14 @@ from rich.text import Text
 from palpate.cli.store_view import entry_words
 from palpate.cli.terminal import ENDLESS, bullets, folding_table
 from palpate.figures.wording import number, plural
-from palpate.store.content import setup_plain, thing_plain
+from palpate.store.content import in_utc, setup_plain, thing_plain
 
 if TYPE_CHECKING:
     from palpate.store.records import Channel, Device, Pose, Recording, Setup, ThingRef
 
 __all__ = ["recording_json", "recording_view"]
+
+SEEN_BY = {"private": "the owner", "lab": "the lab", "public": "everybody"}
 
 ALL, LOG_LINES = 1000, 20
 
@@ -55,6 +57,8 @@ def recording_json(recording: Recording) -> str:
     plain = json.loads(recording.document)
     setup = {kind: value for kind, value in setup_plain(recording.setup).items() if value}
     shown = {**plain, "id": str(recording.id), "digest": recording.digest, "visibility": recording.visibility}
+    if recording.embargoed_until is not None:
+        shown["embargoed_until"] = in_utc(recording.embargoed_until)
     shown |= {"thing": thing_plain(recording.thing), "setup": setup, "log": recording.log}
     return json.dumps({name: value for name, value in shown.items() if value not in (None, [], "")}, indent=1)
 
@@ -69,7 +73,8 @@ def _facts(recording: Recording) -> Table:
         "ground truth": "yes" if recording.ground_truth else None,
         "owner": recording.owner,
         "licence": recording.licence,
-        "visible to": {"private": "the owner", "lab": "the lab", "public": "everybody"}.get(recording.visibility),
+        "visible to": SEEN_BY.get(recording.visibility),
+        "embargoed until": in_utc(recording.embargoed_until) if recording.embargoed_until else None,
         "software": recording.software,
         "repository": recording.repository,
         "grasp": _words(recording.grasp) if recording.grasp else None,

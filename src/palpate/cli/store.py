@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from palpate.cli import store_episodes, store_list, store_objects, store_units
+from palpate.cli import store_episodes, store_list, store_objects, store_sharing, store_units
 from palpate.cli.export import export
 from palpate.cli.spreading import spread
 from palpate.cli.store_options import Place, WideOption
@@ -65,6 +65,7 @@ app.command("curves")(store_list.curves)
 app.command("devices")(store_list.devices)
 app.command("units")(store_units.units)
 app.command("unit")(store_units.unit)
+app.command("share")(store_sharing.share)
 app.command("objects")(store_objects.objects)
 app.add_typer(store_objects.app, name="object")
 app.command("episodes")(store_episodes.episodes)

@@ -11,7 +11,7 @@ from starlette.middleware import Middleware
 
 from palpate import __version__
 from palpate.server import watching
-from palpate.server.api import corrections, episodes, objects, recordings, results, series, setups, users
+from palpate.server.api import corrections, episodes, objects, recordings, results, series, setups, sharing, users
 from palpate.server.heads import HeadAsGet
 from palpate.server.pages import site
 from palpate.server.problems import OLD_ADDRESSES, Problem, Unexpected, install
@@ -28,7 +28,7 @@ from palpate.store.store import Store
 __all__ = ["application", "from_environment"]
 
 API = "/api/v1"
-PARTS = (corrections, objects, recordings, series, results, setups, episodes, users)
+PARTS = (corrections, objects, recordings, series, results, setups, episodes, sharing, users)
 PROBLEMS: dict[int | str, dict[str, Any]] = {status: {"model": Problem} for status in (401, 403, 404, 422, 429, 503)}
 BURST_S = 20.0
 """An address may ask at once what it may ask in so many seconds."""

@@ -65,9 +65,9 @@ def history(store: Store, thing: ThingRef | None = None) -> tuple[Change, ...]:
         return tuple(_change(row) for row in connection.execute(asked).mappings())
 
 
-def note(connection: Connection, thing_id: int, what: str, detail: Any, who: str | None) -> None:
-    """Add a line, in the transaction of the change itself."""
-    row = {"at_us": now_us(), "who": who, "what": what, "thing_id": thing_id, "detail": to_json(detail)}
+def note(connection: Connection, thing_id: int | None, what: str, detail: Any, who: str | None, **others: int) -> None:
+    """Add a line, in the transaction of the change itself; `others` are rows that it is about beside an object."""
+    row = {"at_us": now_us(), "who": who, "what": what, "thing_id": thing_id, "detail": to_json(detail), **others}
     connection.execute(insert(schema.audit).values(**row))
 
 

@@ -94,9 +94,13 @@ def check_moment(where: str, moment: datetime, now: datetime) -> None:
 
 
 def check_embargo(moment: datetime | None) -> None:
-    """Refuse the end of an embargo that has no time zone."""
-    if moment is not None and moment.utcoffset() is None:
+    """Refuse the end of an embargo that has no time zone, or is not of this age."""
+    if moment is None:
+        return
+    if moment.utcoffset() is None:
         raise StoreError(f"embargoed_until: {moment.isoformat()} has no time zone; expected one, such as UTC")
+    if not 1970 < moment.year < 9999:
+        raise StoreError(f"embargoed_until: found the year {moment.year}, expected one after 1970 and before 9999")
 
 
 def check_thing(thing: ThingRef) -> None:

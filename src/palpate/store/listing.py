@@ -13,6 +13,7 @@ from sqlalchemy import ColumnElement, Connection, Select, and_, exists, select, 
 from palpate.store import schema
 from palpate.store.content import entry_plain, to_json
 from palpate.store.decoding import entry_from, moment_from
+from palpate.store.embargo import embargo_of
 from palpate.store.entries import Entry
 from palpate.store.errors import DamagedError, IncompleteError
 from palpate.store.fetching import read_rows
@@ -46,6 +47,7 @@ class Listed:
     gripper: str | None
     owner: str | None
     visibility: str
+    embargoed_until: datetime | None
     ground_truth: bool
     entries: tuple[Entry, ...]
     notices: tuple[str, ...]
@@ -189,7 +191,7 @@ def _rows_asked(matched: Select[*tuple[Any, ...]] | None) -> Select[*tuple[Any, 
     """What stands in a list of the recordings that matched; of all, unless given."""
     recordings, things = schema.recordings, schema.things
     names = ("id", "uuid", "digest", "recorded_us", "uploaded_us", "action", "gripper", "owner", "visibility")
-    columns = [recordings.c[name] for name in (*names, "ground_truth", "document", "seal")]
+    columns = [recordings.c[name] for name in (*names, "embargoed_us", "ground_truth", "document", "seal")]
     thing = [things.c.dataset, things.c.name, things.c.common_name]
     asked = select(*columns, *thing)
     if matched is not None:
@@ -224,6 +226,7 @@ def _listed(row: Mapping[Any, Any]) -> Listed:
             thing=row["name"],
             entries=tuple(entry_from(entry) for entry in plain["entries"]),
             notices=tuple(plain["notices"]),
+            embargoed_until=embargo_of(row["embargoed_us"]),
             **{name: plain[name] for name in ("action", "owner", "ground_truth")},
             **{name: row[name] for name in ("common_name", "gripper", "visibility")},
         )

@@ -12,6 +12,7 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, select, tuple_
 
 from palpate.store import schema
+from palpate.store.embargo import embargo_of
 from palpate.store.filters import Cursor, Sort, moment_us, things_named
 from palpate.store.legible import reading
 from palpate.store.rows import EPOCH
@@ -35,6 +36,7 @@ class ListedEpisode:
     common_name: str | None
     owner: str | None
     visibility: str
+    embargoed_until: datetime | None
     network: str
     objective: str
     policy: str
@@ -123,6 +125,7 @@ def _listed(row: Mapping[Any, Any]) -> ListedEpisode:
         digest=row["digest"].hex(),
         started_at=EPOCH + timedelta(microseconds=row["started_us"]),
         thing=row["name"],
+        embargoed_until=embargo_of(row["embargoed_us"]),
         network=str(header.get("network", {}).get("name", "")),
         **told,
         **{name: row[name] for name in same},

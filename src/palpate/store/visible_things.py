@@ -133,12 +133,16 @@ def visible_thing(store: Store, viewer: Viewer, dataset: str, name: str) -> Thin
 def is_all_theirs(store: Store, name: str, thing: ThingRef) -> bool:
     """Whether each recording of an object, and of those merged into it, is somebody's; no where there is none."""
     recordings = schema.recordings.c
-    asked = select(func.count(), func.count().filter(recordings.owner == name)).where(
-        recordings.thing_id.in_(rows_of(thing))
-    )
+    asked = select(func.count(), func.count().filter(is_theirs(name))).where(recordings.thing_id.in_(rows_of(thing)))
     with reading(store.engine) as connection:
         count, own = connection.execute(asked).one()
     return bool(count) and bool(count == own)
+
+
+def is_theirs(name: str) -> ColumnElement[bool]:
+    """The condition on `schema.recordings` that one is somebody's: its owner's, else that of who has sent it."""
+    columns = schema.recordings.c
+    return func.coalesce(columns.owner, columns.uploaded_by) == name
 
 
 def rows_of(thing: ThingRef) -> Select[int]:

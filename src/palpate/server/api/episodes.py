@@ -64,6 +64,7 @@ def _row(episode: StoredEpisode) -> dict[str, Any]:
         "common_name": episode.thing.common_name,
         "owner": episode.owner,
         "visibility": episode.visibility,
+        "embargoed_until": plain.moment(episode.embargoed_until),
         "network": str(header.get("network", {}).get("name", "")),
         **told,
         "actions": episode.actions,

@@ -147,6 +147,7 @@ class RecordingRow(Strict):
     gripper: str | None
     owner: str | None
     visibility: Visibility
+    embargoed_until: datetime | None
     ground_truth: bool
     entries: list[Entry]
     notices: list[str]
@@ -207,7 +208,10 @@ class Pose(Strict):
 
 
 class Recording(Strict):
-    """A recording whole, but for samples, what is in its files, and its log."""
+    """A recording whole, but for samples, what is in its files, and its log.
+
+    Who has sent it is told to those with an account.
+    """
 
     id: UUID
     digest: str
@@ -217,8 +221,10 @@ class Recording(Strict):
     object: ThingName
     common_name: str | None
     owner: str | None
+    uploaded_by: str | None
     licence: str | None
     visibility: Visibility
+    embargoed_until: datetime | None
     ground_truth: bool
     software: str | None
     repository: str | None
@@ -258,6 +264,7 @@ class EpisodeRow(Strict):
     common_name: str | None
     owner: str | None
     visibility: Visibility
+    embargoed_until: datetime | None
     network: str
     objective: str
     policy: str
@@ -296,6 +303,24 @@ class Change(Strict):
     who: str | None
     what: str
     detail: Any
+    undone_at: datetime | None
+    undone_by: str | None
+
+
+class Sharing(Strict):
+    """Who may see something, and until when nobody else does."""
+
+    visibility: Visibility
+    embargoed_until: datetime | None
+
+
+class SharingChange(Strict):
+    """A change of who may see something: what held before and after, and whether it was taken back."""
+
+    at: datetime
+    who: str | None
+    before: Sharing
+    after: Sharing
     undone_at: datetime | None
     undone_by: str | None
 

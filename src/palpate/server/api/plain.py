@@ -79,6 +79,7 @@ def recording_row(row: Listed) -> Plain:
         "ground_truth": bool(row.ground_truth),
         "recorded_at": moment(row.recorded_at),
         "uploaded_at": moment(row.uploaded_at),
+        "embargoed_until": moment(row.embargoed_until),
         "object": {"dataset": row.dataset, "name": row.thing},
         "entries": [entry(one) for one in row.entries],
         "notices": list(row.notices),
@@ -86,8 +87,8 @@ def recording_row(row: Listed) -> Plain:
     }
 
 
-def recording(head: Head) -> Plain:
-    """A recording whole, but for samples, what is in its files, and its log."""
+def recording(head: Head, *, with_sender: bool) -> Plain:
+    """A recording whole, but for samples, what is in its files, and its log; who has sent it only where told so."""
     plain = head.document
     same = ("action", "owner", "licence", "ground_truth", "software", "repository", "setup", "grasp")
     more = ("gripper_pose", "object_pose", "entries", "notices")
@@ -99,6 +100,8 @@ def recording(head: Head) -> Plain:
         "object": thing_name(head.thing),
         "common_name": head.thing.common_name,
         "visibility": head.visibility,
+        "embargoed_until": moment(head.embargoed_until),
+        "uploaded_by": head.uploaded_by if with_sender else None,
         **{name: plain[name] for name in (*same, *more)},
         "series": series_infos(head),
         "files": files(head),

@@ -54,9 +54,9 @@ def list_(request: Request, store: StoreOf, who: Who, query: Annotated[Recording
 
 
 @router.get("/{key}", response_model=Recording)
-def get_recording(head: SeenRecording) -> Response:
+def get_recording(who: Who, head: SeenRecording) -> Response:
     """One recording by its id or its digest."""
-    return answer(plain.recording(head))
+    return answer(plain.recording(head, with_sender=who.role >= Role.READER))
 
 
 @router.get("/{key}/files", response_model=Page[File])

@@ -16,11 +16,13 @@ from palpate.server.api.downloads import SHOWN
 from palpate.server.api.episodes import SeenEpisode
 from palpate.server.api.parameters import StoreOf
 from palpate.server.api.queries import EpisodeQuery
+from palpate.server.pages.sharing import form_values
 from palpate.server.pages.templates import page
 from palpate.server.plots.beliefs import belief_rows
 from palpate.server.plots.drawing import number
 from palpate.server.problems import problem
 from palpate.server.security.who import Who
+from palpate.store import schema
 from palpate.store.episodes import StoredEpisode
 from palpate.store.parts import Head, head_of
 
@@ -59,6 +61,7 @@ def one(
         request,
         "episode.html",
         stored=stored,
+        sharing=form_values(store, who, schema.episodes, stored.id),
         episode=episode,
         place=place,
         step=step,

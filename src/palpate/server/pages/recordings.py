@@ -14,11 +14,13 @@ from palpate.server.api.downloads import NO_TYPE, safe_type
 from palpate.server.api.parameters import Place, SeenRecording, StoreOf
 from palpate.server.api.queries import RecordingQuery
 from palpate.server.api.series import found_series, is_sound
+from palpate.server.pages.sharing import form_values
 from palpate.server.pages.templates import page
 from palpate.server.plots.curves import channel_plot, squeeze_of, squeeze_plot
 from palpate.server.plots.spectrogram import spectrogram
 from palpate.server.problems import problem
 from palpate.server.security.who import Who
+from palpate.store import schema
 from palpate.store.listing import list_recordings
 from palpate.store.parts import Head, file_of, log_of, series_of
 from palpate.store.records import Series
@@ -56,7 +58,7 @@ class Signals:
 
 
 @router.get("/{key}")
-def one(request: Request, store: StoreOf, head: SeenRecording) -> HTMLResponse:
+def one(request: Request, store: StoreOf, who: Who, head: SeenRecording) -> HTMLResponse:
     """A recording with its signals, files, setup, poses, results and log."""
     log = log_of(store, head)
     return page(
@@ -64,6 +66,7 @@ def one(request: Request, store: StoreOf, head: SeenRecording) -> HTMLResponse:
         "recording.html",
         head=head,
         plain=head.document,
+        sharing=form_values(store, who, schema.recordings, head.id),
         signals=list(_signals(store, head)),
         files=[_shown(store, head, place) for place in range(len(head.files))],
         log=log[:LONGEST_LOG],

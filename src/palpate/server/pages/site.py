@@ -18,12 +18,13 @@ from palpate.server.pages import (
     objects,
     recordings,
     sessions,
+    sharing,
 )
 from palpate.server.pages.templates import STATIC
 
 __all__ = ["install"]
 
-PARTS = (home, editing, objects, recordings, devices, comparing, live, episodes, guides, sessions)
+PARTS = (home, editing, objects, recordings, devices, comparing, live, episodes, guides, sessions, sharing)
 
 
 class Assets(StaticFiles):

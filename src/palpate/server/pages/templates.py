@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from datetime import datetime
+from datetime import UTC, datetime
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
@@ -52,7 +52,7 @@ def _environment() -> Environment:
     found.filters |= {"number": number, "day": _day, "moment": _moment, "entry": entry_text, "plural": _plural}
     found.filters |= {"grasp": grasp_text}
     found.globals |= {"thing_url": _thing_url, "asset": _asset, "version": __version__, "with_query": _with_query}
-    found.globals |= {"search": _search}
+    found.globals |= {"search": _search, "now": _now}
     return found
 
 
@@ -102,6 +102,10 @@ def _grasp_part(name: str, value: Any) -> str:
 
 def _unit(unit: str | None) -> str:
     return "(unit not stated)" if unit is None else unit
+
+
+def _now() -> datetime:
+    return datetime.now(UTC)
 
 
 def _day(at: datetime) -> str:

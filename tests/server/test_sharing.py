@@ -1,0 +1,170 @@
+"""Who may see what is there already, set later: by those who may, noted, and reversible; by pages as by the service."""
+
+from collections.abc import Callable
+from datetime import UTC, datetime, timedelta
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+
+from palpate.server.security.accounts import Role
+from palpate.store.keeping_episodes import get_episode, put_episode
+from palpate.store.store import Store
+from palpate.store.verifying import verify
+from tests.server.conftest import KEY
+from tests.store.made_up import made_episode, squeeze
+
+RECORDINGS, EPISODES = "/api/v1/recordings", "/api/v1/episodes"
+OWNED, SENT = squeeze(1, owner="ann", visibility="lab"), squeeze(2, visibility="lab")
+EXPLORED = made_episode(OWNED, owner="ann", visibility="lab")
+TOMORROW = (datetime.now(UTC) + timedelta(days=1)).replace(microsecond=0)
+Token = Callable[..., dict[str, str]]
+OPERATIONS: list[tuple[str, str, Any]] = [
+    ("PATCH", "", {"visibility": "lab"}),
+    ("POST", "/undo", None),
+    ("GET", "/history", None),
+]
+
+
+@pytest.fixture(autouse=True)
+def world(store: Store) -> None:
+    store.put(OWNED)
+    store.put(SENT, uploader="robot")
+    put_episode(store, EXPLORED)
+
+
+@pytest.fixture(params=["recording", "episode"])
+def address(request: pytest.FixtureRequest) -> str:
+    """Of something that is ann's."""
+    return f"{RECORDINGS}/{OWNED.id}" if request.param == "recording" else f"{EPISODES}/{EXPLORED.id}"
+
+
+def is_seen(client: TestClient, address: str, headers: dict[str, str] | None = None) -> bool:
+    status = client.get(address, headers=headers).status_code
+    assert status in (200, 404)
+    return status == 200
+
+
+def test_each_change_is_noted_and_can_be_taken_back(
+    client: TestClient, store: Store, token: Token, address: str
+) -> None:
+    """Visibility and embargo, each by itself; undone in the reverse order; no content changes."""
+    ann = token("ann")
+    assert not is_seen(client, address)
+    shared = client.patch(address, json={"visibility": "public"}, headers=ann).json()
+    assert shared == {"visibility": "public", "embargoed_until": None}
+    assert is_seen(client, address)
+    hidden = client.patch(address, json={"embargoed_until": TOMORROW.isoformat()}, headers=ann).json()
+    assert hidden["visibility"] == "public"
+    assert datetime.fromisoformat(hidden["embargoed_until"]) == TOMORROW
+    assert not is_seen(client, address)
+    assert is_seen(client, address, ann)
+    found = client.get(address, headers=ann).json()
+    assert (found["visibility"], found["embargoed_until"]) == ("public", hidden["embargoed_until"])
+    assert client.post(f"{address}/undo", headers=ann).json() == shared
+    assert is_seen(client, address)
+    assert client.post(f"{address}/undo", headers=ann).json()["visibility"] == "lab"
+    assert client.post(f"{address}/undo", headers=ann).status_code == 422
+    lines = client.get(f"{address}/history", headers=ann).json()["items"]
+    assert [(one["after"]["visibility"], one["who"], one["undone_by"]) for one in lines] == [
+        ("public", "ann", "ann"),
+        ("public", "ann", "ann"),
+    ]
+    assert store.get(OWNED.id).digest == OWNED.digest
+    assert get_episode(store, EXPLORED.id).digest == EXPLORED.digest
+    assert list(verify(store)) == []
+
+
+def test_who_may_share_what(client: TestClient, token: Token, address: str) -> None:
+    """Its owner, and curators where they see it; for others who see it it is a 403, and for those who do not a 404."""
+    token("root", Role.ADMIN)
+    people = {
+        "anonymous": ({}, 401),
+        "reader": (token("reader", Role.READER), 403),
+        "bob": (token("bob"), 403),
+        "ann": (token("ann"), 200),
+        "curator": (token("carl", Role.CURATOR), 200),
+        "host": ({"Cookie": f'palpate-key="{KEY}"', "Origin": "http://testserver"}, 200),
+    }
+    for person, (headers, status) in people.items():
+        for method, path, body in OPERATIONS:
+            found = client.request(method, f"{address}{path}", json=body, headers=headers)
+            expected = 422 if (status, path) == (200, "/undo") else status
+            assert found.status_code == expected, (person, method, path, found.text)
+    client.patch(address, json={"visibility": "private"}, headers=people["ann"][0])
+    for person, expected in (("bob", 404), ("curator", 404), ("ann", 200)):
+        for method, path, body in OPERATIONS:
+            found = client.request(method, f"{address}{path}", json=body, headers=people[person][0])
+            assert found.status_code == (200 if person == "ann" else expected), (person, method, path)
+            if person == "ann" and path == "/undo":
+                client.patch(address, json={"visibility": "private"}, headers=people["ann"][0])
+
+
+def test_what_names_no_owner_is_of_who_has_sent_it(client: TestClient, token: Token) -> None:
+    """The sender shares it, and nobody else; who has sent what somebody else owns sees it and does not share it."""
+    robot, bob, address = token("robot"), token("bob"), f"{RECORDINGS}/{SENT.id}"
+    assert client.patch(address, json={"visibility": "public"}, headers=bob).status_code == 403
+    assert client.patch(address, json={"visibility": "private"}, headers=robot).status_code == 200
+    assert not is_seen(client, address, bob)
+    assert is_seen(client, address, robot)
+    told = [client.get(address, headers=headers).json().get("uploaded_by") for headers in (robot, {})]
+    assert told == ["robot", None]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        {"visibility": "secret"},
+        {"visibility": None},
+        {"embargoed_until": "soon"},
+        {"embargoed_until": "0001-01-01T00:00:00+14:00"},
+        {"embargoed_until": "9999-12-31T23:59:59-12:00"},
+        {"owner": "bob"},
+    ],
+)
+def test_what_is_wrong_is_refused(client: TestClient, token: Token, address: str, body: dict[str, Any]) -> None:
+    """With the field, and nothing is changed."""
+    ann = token("ann")
+    refused = client.patch(address, json=body, headers=ann)
+    assert refused.status_code == 422
+    assert next(iter(body)) in refused.text
+    assert client.get(f"{address}/history", headers=ann).json()["items"] == []
+
+
+def by_form(client: TestClient, address: str, headers: dict[str, str], **fields: str) -> int:
+    page = address.removeprefix("/api/v1")
+    sent = client.post(f"{page}/sharing", data=fields, headers={"Origin": "http://testserver", **headers})
+    return sent.status_code
+
+
+def test_a_page_shares_too(client: TestClient, store: Store, token: Token) -> None:
+    """A form without JavaScript, for those who may; one that is sent again unchanged ends no embargo earlier."""
+    ann, bob, address = token("ann"), token("bob"), f"{RECORDINGS}/{OWNED.id}"
+    client.follow_redirects = False
+    assert "Who may see it" in client.get(f"/recordings/{OWNED.id}", headers=ann).text
+    assert "Who may see it" not in client.get(f"/recordings/{OWNED.id}", headers=bob).text
+    exact = TOMORROW.replace(second=30)
+    client.patch(address, json={"visibility": "public", "embargoed_until": exact.isoformat()}, headers=ann)
+    page = client.get(f"/recordings/{OWNED.id}", headers=ann).text
+    until = exact.strftime("%Y-%m-%dT%H:%M")
+    assert f'value="{until}"' in page
+    assert by_form(client, address, ann, do="share", visibility="lab", until=until) == 303
+    assert client.get(address, headers=ann).json()["visibility"] == "lab"
+    assert store.get(OWNED.id).embargoed_until == exact
+    assert by_form(client, address, ann, do="share", visibility="lab", until="") == 303
+    assert store.get(OWNED.id).embargoed_until is None
+    assert by_form(client, address, ann, do="undo") == 303
+    assert store.get(OWNED.id).embargoed_until == exact
+    assert by_form(client, address, ann, do="share", visibility="lab", until="soon") == 422
+    assert by_form(client, address, ann, do="share", visibility="secret", until="") == 422
+    assert by_form(client, address, bob, do="share", visibility="public", until="") == 404
+    assert by_form(client, f"{EPISODES}/{EXPLORED.id}", ann, do="share", visibility="public", until="") == 303
+    assert is_seen(client, f"{EPISODES}/{EXPLORED.id}")
+
+
+def test_another_site_shares_nothing(client: TestClient) -> None:
+    """A form on a page of somebody else does nothing, whoever looks at that page."""
+    headers = {"Cookie": f'palpate-key="{KEY}"', "Origin": "http://evil.example"}
+    assert by_form(client, f"{RECORDINGS}/{OWNED.id}", headers, do="share", visibility="public", until="") == 403
+    assert client.patch(f"{RECORDINGS}/{OWNED.id}", json={"visibility": "public"}, headers=headers).status_code == 403
+    assert not is_seen(client, f"{RECORDINGS}/{OWNED.id}")
