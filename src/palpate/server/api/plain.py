@@ -171,6 +171,7 @@ def episode_row(row: ListedEpisode) -> Plain:
         "id": str(row.id),
         **{name: getattr(row, name) for name in same},
         "started_at": moment(row.started_at),
+        "embargoed_until": moment(row.embargoed_until),
         "object": {"dataset": row.dataset, "name": row.thing},
         "url": f"{ROOT}/episodes/{row.id}",
     }
