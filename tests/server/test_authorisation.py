@@ -242,6 +242,25 @@ def test_no_address_was_forgotten(client: TestClient, world: World) -> None:
     }
 
 
+@pytest.mark.parametrize("person", PEOPLE)
+def test_who_uploads_by_a_form(client: TestClient, world: World, person: str) -> None:
+    """Pages and forms for accounts that may write; what waits is nobody else's; `/rest/` takes no such token."""
+    headers, expected = world.headers[person], {"anonymous": 401, "reader": 403}.get(person)
+    assert client.get("/upload", headers=headers).status_code == (expected or 200)
+    assert client.post("/upload", headers=headers).status_code == (expected or 422)
+    form = {**headers, "Origin": "http://testserver"}
+    assert client.post("/upload/one", data={"value": "1"}, headers=form).status_code == (expected or 422)
+    for address in ("", "/keep", "/cancel"):
+        method = "POST" if address else "GET"
+        found = client.request(method, f"/upload/{'x' * 43}{address}", headers=form)
+        assert found.status_code == (expected or 404)
+    for name in ("measurements", "entries", "grasp_proposals"):
+        # in the clear, from another computer
+        assert client.post(f"/rest/{name}/", headers=headers).status_code == 403
+        over_tls = client.post(f"https://testserver/rest/{name}/", headers=headers)
+        assert over_tls.status_code == 401
+
+
 def test_a_token_ends(client: TestClient, store: Store, world: World) -> None:
     """An expired token is refused, also where none is needed; a lesser one does less than its account may."""
     expired = issue(store, "ann", days=1e-9)

@@ -21,6 +21,7 @@ from palpate.store.opening import open_store
 from palpate.store.pictures import png
 from palpate.store.records import Channel, FileItem, Series, ThingRef
 from palpate.store.store import Store
+from tests.server.packages import package
 from tests.server.serving import served
 from tests.store.made_up import squeeze
 from tests.store.places import check_services, emptied
@@ -148,8 +149,8 @@ def test_step_through_an_exploration(page: Any) -> None:
     page.wait_for_url("**/recordings/*")
 
 
-def test_log_in_and_correct_an_object(page: Any, place: tuple[str, str]) -> None:
-    """A curator logs in, renames an object, merges it with another one, splits it, and takes the name back."""
+def log_in(page: Any, place: tuple[str, str]) -> None:
+    """As a curator, whose account is made where there is none."""
     with Store(open_store(place[0], place[1], durable=False).engine, FolderBlobs(Path(place[1]))) as store:
         if not users(store):
             add_user(store, "carl", Role.CURATOR)
@@ -160,6 +161,11 @@ def test_log_in_and_correct_an_object(page: Any, place: tuple[str, str]) -> None
     page.get_by_label("Password").fill("correct horse battery")
     page.get_by_role("button", name="Log in").click()
     page.get_by_text("carl").wait_for()
+
+
+def test_log_in_and_correct_an_object(page: Any, place: tuple[str, str]) -> None:
+    """A curator logs in, renames an object, merges it with another one, splits it, and takes the name back."""
+    log_in(page, place)
     page.goto("/objects/lab/bell")
     page.get_by_role("link", name="Change what is said of it").click()
     page.get_by_label("Common name").fill("brass bell")
@@ -177,6 +183,38 @@ def test_log_in_and_correct_an_object(page: Any, place: tuple[str, str]) -> None
     page.get_by_role("heading", name="bell", exact=True).wait_for()
     page.get_by_role("button", name="Log out").click()
     page.get_by_role("link", name="Log in").wait_for()
+
+
+@pytest.mark.parametrize("page", ["desktop"], indirect=True)
+def test_upload_a_file_look_at_it_and_keep_it(page: Any, place: tuple[str, str]) -> None:
+    """Files are chosen and dropped, looked at before they are sent, shown with their curves, and kept."""
+    log_in(page, place)
+    page.get_by_role("link", name="Upload", exact=True).click()
+    sent = package(squeeze(77, thing=ThingRef("lab", "wet sponge"), visibility="lab"))
+    page.get_by_label("Choose files").set_input_files(
+        [
+            {"name": "sponge.zip", "mimeType": "application/zip", "buffer": sent},
+            {"name": "broken.json", "mimeType": "application/json", "buffer": b"{"},
+        ]
+    )
+    page.get_by_text("broken.json, 1 KiB: is no JSON").wait_for()
+    page.get_by_role("button", name="Remove broken.json").click()
+    page.evaluate(
+        "() => { const held = new DataTransfer(); held.items.add(new File(['hello'], 'hello.txt'));"
+        " const drop = new DragEvent('drop', {dataTransfer: held, bubbles: true});"
+        " document.querySelector('form.drop').dispatchEvent(drop) }"
+    )
+    page.get_by_text("hello.txt, 1 KiB").wait_for()
+    assert page.locator("ul.chosen li").count() == 2
+    page.get_by_role("button", name="Show what is in them").click()
+    page.get_by_role("heading", name="Squeezing of wet sponge").wait_for(timeout=60_000)
+    assert page.locator("svg.plot").count() > 0
+    page.get_by_text("hello.txt is left out").wait_for()
+    page.get_by_label("Who may see").select_option("public")
+    page.get_by_role("button", name="Keep").click()
+    page.get_by_role("link", name="Squeezing of wet sponge").click()
+    page.wait_for_url("**/recordings/*")
+    page.get_by_role("heading", name="Squeezing of wet sponge").wait_for()
 
 
 def test_watch_an_exploration_that_another_process_makes(page: Any, place: tuple[str, str]) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
 from typing import Any
 
 from fastapi import APIRouter, FastAPI
@@ -22,6 +24,7 @@ from palpate.server.security.hosts import KnownHosts
 from palpate.server.security.rates import Rate, RateLimit
 from palpate.server.settings import Settings
 from palpate.server.state import State
+from palpate.server.uploading.previews import Previews
 from palpate.store.opening import open_store
 from palpate.store.store import Store
 
@@ -38,10 +41,16 @@ ABOUT = "Measurements of the physical properties of objects: what was measured, 
 def application(store: Store, settings: Settings | None = None) -> FastAPI:
     """Make the application of a store; it closes the store when it stops."""
     settings = settings or Settings()
+    previews = Previews(None if settings.previews is None else Path(settings.previews))
 
     @asynccontextmanager
     async def open_until_stopped(_: FastAPI) -> AsyncIterator[None]:
+        sweeping = asyncio.create_task(previews.watch())
         yield
+        sweeping.cancel()
+        with suppress(asyncio.CancelledError):
+            await sweeping
+        previews.close()
         store.close()
 
     app = FastAPI(
@@ -55,7 +64,7 @@ def application(store: Store, settings: Settings | None = None) -> FastAPI:
         lifespan=open_until_stopped,
         middleware=_middleware(settings),
     )
-    app.state.palpate = State(store, settings)
+    app.state.palpate = State(store, settings, previews)
     install(app)
     app.include_router(watching.router)
     service = APIRouter(prefix=API, responses=PROBLEMS)
@@ -82,7 +91,7 @@ def _middleware(settings: Settings) -> list[Middleware]:
         uploads = (method == "POST" and path == all_recordings) or (
             method == "PUT" and path.startswith(f"{all_recordings}/")
         )
-        uploads = uploads or (method == "POST" and path.startswith(OLD_ADDRESSES))
+        uploads = uploads or (method == "POST" and (path == "/upload" or path.startswith(OLD_ADDRESSES)))
         return settings.largest_upload_bytes if uploads else settings.largest_body_bytes
 
     found = [

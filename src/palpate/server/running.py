@@ -7,7 +7,7 @@ import re
 import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from tempfile import TemporaryDirectory
 from urllib.parse import SplitResult, urlsplit
 
@@ -119,8 +119,8 @@ def local_key() -> str:
 
 def serve(settings: Settings, address: Address, *, workers: int = 1) -> None:
     """Serve until told to stop; then answer what is under way, and no more."""
-    settings.to_environment()
-    with _shared_metrics(workers):
+    with _shared_metrics(workers), TemporaryDirectory(prefix="palpate-previews-") as previews:
+        replace(settings, previews=previews).to_environment()
         uvicorn.run(
             "palpate.server.app:from_environment",
             factory=True,

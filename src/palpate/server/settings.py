@@ -24,6 +24,9 @@ class Settings:
         a page elsewhere cannot ask by a name that it points here.
     key
         Whoever has it sees all, as the person who started the server; nobody where it is None.
+    previews
+        The folder in which uploads wait until they are kept, for all workers; each application has one of its own where
+        it is None.
     largest_upload_bytes, largest_unpacked_bytes
         Of a recording, as sent and unpacked.
     largest_body_bytes
@@ -40,6 +43,7 @@ class Settings:
     blobs: str | None = None
     hosts: tuple[str, ...] = ()
     key: str | None = None
+    previews: str | None = None
     largest_upload_bytes: int = 256 << 20
     largest_unpacked_bytes: int = 1 << 30
     largest_body_bytes: int = 1 << 20

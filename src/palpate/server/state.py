@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 from starlette.requests import HTTPConnection
 
@@ -11,15 +11,19 @@ from palpate.server.security.rates import Rate
 from palpate.server.settings import Settings
 from palpate.store.store import Store
 
+if TYPE_CHECKING:
+    from palpate.server.uploading.previews import Previews
+
 __all__ = ["State", "state_of"]
 
 
 @dataclass(frozen=True)
 class State:
-    """What requests share: the store, how the server runs, and how often passwords are tried."""
+    """What requests share: the store, how the server runs, uploads that wait, and how often passwords are tried."""
 
     store: Store
     settings: Settings
+    previews: Previews
     tries_of_name: Rate = field(default_factory=lambda: Rate(per_s=1 / 30, burst=10))
     tries_of_address: Rate = field(default_factory=lambda: Rate(per_s=1 / 10, burst=30))
 

@@ -7,6 +7,7 @@ from fastapi.responses import HTMLResponse
 
 from palpate.server.pages.templates import page
 from palpate.server.problems import problem
+from palpate.server.security.who import Who
 
 __all__ = ["router"]
 
@@ -15,13 +16,13 @@ TITLES = {"record": "Record", "upload": "Upload", "api": "Ask by program", "cite
 
 
 @router.get("")
-def guides(request: Request) -> HTMLResponse:
+def guides(request: Request, who: Who) -> HTMLResponse:
     """All guides."""
     return page(request, "guides.html", titles=TITLES)
 
 
 @router.get("/{name}")
-def guide(request: Request, name: str) -> HTMLResponse:
+def guide(request: Request, who: Who, name: str) -> HTMLResponse:
     """One guide."""
     if name not in TITLES:
         raise problem(404, f"guide {name[:40]!r}: there is none of that name")

@@ -19,12 +19,26 @@ from palpate.server.pages import (
     recordings,
     sessions,
     sharing,
+    upload,
 )
 from palpate.server.pages.templates import STATIC
 
 __all__ = ["install"]
 
-PARTS = (home, editing, objects, recordings, devices, comparing, live, episodes, guides, sessions, sharing)
+PARTS = (
+    home,
+    editing,
+    objects,
+    recordings,
+    devices,
+    comparing,
+    live,
+    episodes,
+    guides,
+    sessions,
+    sharing,
+    upload,
+)
 
 
 class Assets(StaticFiles):

@@ -17,7 +17,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from palpate import __version__
 from palpate.server.names import thing_address
 from palpate.server.plots.drawing import number
-from palpate.server.security.accounts import Account
+from palpate.server.security.accounts import Account, Role
 from palpate.store.entries import Bound, Distribution, Entry, Interval, Value
 from palpate.store.records import ThingRef
 
@@ -32,6 +32,7 @@ def page(
     """A page from a template; ``path``, ``query`` and ``account`` tell each what was asked, and by whom."""
     account = getattr(request.state, "account", Account())
     given = {"path": request.url.path, "query": dict(request.query_params), "account": account, **values}
+    given["may_upload"] = account.role >= Role.OWNER
     return HTMLResponse(_environment().get_template(template).render(given), status, headers)
 
 

@@ -1,0 +1,151 @@
+"""Uploading: a form, what was understood of it, and keeping that."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from typing import IO, Annotated
+
+from fastapi import APIRouter, Depends, Request
+from fastapi.concurrency import run_in_threadpool
+from fastapi.responses import HTMLResponse, RedirectResponse, Response
+from starlette.datastructures import FormData, UploadFile
+
+from palpate.server.api.parameters import StoreOf
+from palpate.server.pages.templates import page
+from palpate.server.problems import problem
+from palpate.server.security.accounts import Account, Role
+from palpate.server.security.sites import check_same_site, form_of
+from palpate.server.security.who import needs
+from palpate.server.state import State, state_of
+from palpate.server.uploading.by_hand import recording_by_hand
+from palpate.server.uploading.keeping import Wishes, keep
+from palpate.server.uploading.previews import Preview, holder_of
+from palpate.server.uploading.reading import read
+from palpate.server.uploading.saving import save
+from palpate.server.uploading.showing import shown_of
+from palpate.store.errors import StoreError, UnavailableError
+from palpate.store.importing.items import Fate
+from palpate.store.visible_episodes import recordings_of_digests
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/upload")
+MOST_FILES = 1_000
+Owner = Annotated[Account, Depends(needs(Role.OWNER))]
+
+
+@router.get("")
+def form(request: Request, who: Owner) -> HTMLResponse:
+    """The forms: one for files, and one for a measurement that is typed."""
+    return _form(request, {}, None)
+
+
+def _form(request: Request, given: dict[str, str], fault: str | None) -> HTMLResponse:
+    largest = state_of(request).settings.largest_upload_bytes
+    status = 200 if fault is None else 422
+    return page(request, "upload.html", status, given=given, fault=fault, largest=largest, most_files=MOST_FILES)
+
+
+@router.post("")
+async def send(request: Request, who: Owner) -> Response:
+    """Read what was sent, and lead to what was understood; nothing is kept."""
+    state = state_of(request)
+    async with request.form(max_files=MOST_FILES, max_fields=10) as sent:
+        if not any(isinstance(part, UploadFile) and part.filename for _, part in sent.multi_items()):
+            return await run_in_threadpool(_form, request, {}, "No file was chosen.")
+        preview = await run_in_threadpool(_read, state, who, holder_of(request, who), sent)
+    return RedirectResponse(f"/upload/{preview.id}", 303)
+
+
+def _read(state: State, who: Account, holder: str, sent: FormData) -> Preview:
+    preview = state.previews.new(holder, who.name or "")
+    if preview is None:
+        raise problem(503, "too many uploads wait to be kept; try again later", headers={"Retry-After": "600"})
+    try:
+        refused = save(_files(sent), preview.sent, state.settings.largest_unpacked_bytes)
+        read(state.store, who, preview, refused)
+    except BaseException:
+        state.previews.drop(preview.id)
+        raise
+    return preview
+
+
+def _files(sent: FormData) -> Iterator[tuple[str, IO[bytes]]]:
+    for _, part in sent.multi_items():
+        if isinstance(part, UploadFile) and part.filename:
+            yield part.filename, part.file
+
+
+def _preview(request: Request, who: Owner, id: str) -> Preview:
+    found = state_of(request).previews.get(id, holder_of(request, who))
+    if found is None:
+        raise problem(
+            404, "there is no upload that waits here: it was kept or cancelled, its time is over, or it is not yours"
+        )
+    return found
+
+
+Waiting = Annotated[Preview, Depends(_preview)]
+
+
+@router.post("/one")
+async def by_hand(request: Request, store: StoreOf, who: Owner) -> Response:
+    """Keep a measurement that was typed."""
+    fields = {name: value.strip() for name, value in (await form_of(request)).items()}
+    try:
+        receipt = await run_in_threadpool(lambda: store.put(recording_by_hand(fields, who), uploader=who.name))
+    except UnavailableError:
+        raise
+    except StoreError as error:
+        return await run_in_threadpool(_form, request, fields, str(error))
+    return RedirectResponse(f"/recordings/{receipt.id}", 303)
+
+
+@router.get("/{id}")
+def preview(request: Request, store: StoreOf, who: Owner, waiting: Waiting) -> HTMLResponse:
+    """What was understood."""
+    items = shown_of(store, who, waiting)
+    fates = Counter(item.fate for item in items)
+    new = sum(one.fate == "new" and one.known is None for one in items)
+    return page(
+        request,
+        "preview.html",
+        preview=waiting,
+        items=items,
+        new=new,
+        known=sum(one.known is not None for one in items),
+        twice=fates["known"],
+        refused=fates["refused"],
+        skipped=fates["skipped"],
+        names_any_owner=who.role >= Role.ADMIN,
+    )
+
+
+@router.post("/{id}/keep")
+async def keep_all(request: Request, who: Owner, waiting: Waiting) -> HTMLResponse:
+    """Keep what was shown."""
+    fields = await form_of(request)
+    try:
+        wishes = Wishes(fields.get("visibility") or None, fields.get("owner", "").strip() or None)
+    except StoreError as error:
+        raise problem(422, str(error)) from None
+    return await run_in_threadpool(_kept, request, who, waiting, wishes)
+
+
+def _kept(request: Request, who: Account, waiting: Preview, wishes: Wishes) -> HTMLResponse:
+    state = state_of(request)
+    outcomes = keep(state, who, waiting, wishes)
+    held = [(one, one.recording.digest) for one in outcomes if one.fate is not Fate.REFUSED and one.recording]
+    ids = recordings_of_digests(state.store, who.viewer, [digest for _, digest in held])
+    there = [(one, ids[digest]) for one, digest in held if digest in ids]
+    refused = [one for one in outcomes if one.fate is Fate.REFUSED]
+    return page(request, "kept.html", there=there, refused=refused)
+
+
+@router.post("/{id}/cancel")
+async def cancel(request: Request, who: Owner, waiting: Waiting) -> Response:
+    """Forget what was sent."""
+    check_same_site(request)
+    await run_in_threadpool(state_of(request).previews.drop, waiting.id)
+    return RedirectResponse("/upload", 303)

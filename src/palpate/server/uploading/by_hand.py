@@ -1,0 +1,86 @@
+"""One measurement that somebody types, as from a kitchen scale."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from typing import Any
+
+from palpate.server.security.accounts import Account
+from palpate.store.entries import Distribution, Entry, Value
+from palpate.store.errors import StoreError
+from palpate.store.importing.items import identified
+from palpate.store.records import Device, Recording, Setup, ThingRef
+
+__all__ = ["recording_by_hand"]
+
+KINDS = ("gripper", "arm", "camera", "microphone")
+
+
+def recording_by_hand(fields: Mapping[str, str], who: Account) -> Recording:
+    """The recording of a form's fields; the same fields give the same recording again.
+
+    Raises
+    ------
+    StoreError
+        Naming the field that is wrong.
+
+    Examples
+    --------
+    >>> from palpate.server.security.accounts import Role
+    >>> given = {"dataset": "our lab", "object": "mug", "action": "weighing", "property": "mass", "value": "118.5"}
+    >>> given |= {"unit": "g", "recorded_at": "2024-05-01T12:00"}
+    >>> recording_by_hand(given, Account("ann", Role.OWNER)).entries
+    (Value(property='mass', value=118.5, sd=None, unit='g'),)
+    """
+    device, kind = fields.get("device", ""), fields.get("kind") or "other"
+    return identified(
+        Recording(
+            recorded_at=_moment(fields.get("recorded_at", "")),
+            action=fields.get("action", ""),
+            thing=ThingRef(fields.get("dataset", ""), fields.get("object", "")),
+            setup=_setup(device, kind),
+            owner=who.name,
+            licence=fields.get("licence") or None,
+            visibility=fields.get("visibility") or "private",
+            ground_truth=fields.get("ground_truth") == "yes",
+            entries=(_entry(fields),),
+            notices=("this was typed into a form, and there is no signal behind it",),
+        )
+    )
+
+
+def _setup(name: str, kind: str) -> Setup:
+    if not name:
+        return Setup()
+    if kind not in KINDS:
+        return Setup(other=(Device("other", name),))
+    named: dict[str, Any] = {kind: Device(kind, name)}
+    return Setup(**named)
+
+
+def _moment(text: str) -> datetime:
+    try:
+        found = datetime.fromisoformat(text)
+    except ValueError:
+        raise StoreError(f"when: found {text[:40]!r}, expected a day and a time such as 2024-05-01T12:00") from None
+    return found.replace(tzinfo=UTC) if found.tzinfo is None else found.astimezone(UTC)
+
+
+def _entry(fields: Mapping[str, str]) -> Entry:
+    """A number, or a label where there is neither a unit nor a number."""
+    name, value, unit = (fields.get(key, "") for key in ("property", "value", "unit"))
+    try:
+        number = float(value)
+    except ValueError:
+        if unit or not value:
+            raise StoreError(f"value: found {value[:40]!r}, expected a number, or a label without a unit") from None
+        return Distribution(name, {value: 1.0})
+    return Value(name, number, _sd(fields.get("sd", "")), unit or None)
+
+
+def _sd(text: str) -> float | None:
+    try:
+        return float(text) if text else None
+    except ValueError:
+        raise StoreError(f"sd: found {text[:40]!r}, expected a number or nothing") from None

@@ -1,0 +1,86 @@
+"""Keeping what was shown: from the store in which it waits into that of the server."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+from palpate.server.receiving import check_owner
+from palpate.server.security.accounts import Account
+from palpate.server.state import State
+from palpate.server.uploading.previews import Preview
+from palpate.store.errors import StoreError
+from palpate.store.importing.intake import import_paths
+from palpate.store.importing.items import Item, Outcome, identified
+from palpate.store.opening import open_store
+from palpate.store.records import VISIBILITIES, Recording
+from palpate.store.store import Store
+
+__all__ = ["Wishes", "keep"]
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What is wanted for all recordings of an upload.
+
+    Attributes
+    ----------
+    visibility
+        As each states where it is None.
+    owner
+        Of those that state none; it stays so where this is None.
+    """
+
+    visibility: str | None = None
+    owner: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.visibility is not None and self.visibility not in VISIBILITIES:
+            raise StoreError(f"visibility: found {self.visibility[:40]!r}, expected one of {', '.join(VISIBILITIES)}")
+
+    def of(self, recording: Recording, who: Account) -> Recording:
+        """The recording as it is wanted; StoreError where the account may not keep it so."""
+        if self.owner is not None and recording.owner is None:
+            recording = identified(replace(recording, owner=self.owner))
+        if self.visibility is not None:
+            recording = replace(recording, visibility=self.visibility)
+        check_owner(recording, who)
+        return recording
+
+
+class _Waiting:
+    """The recordings of a preview, as a format of imports."""
+
+    def __init__(self, scratch: Store, preview: Preview, wishes: Wishes, who: Account) -> None:
+        self._scratch = scratch
+        self._preview = preview
+        self._wishes = wishes
+        self._who = who
+
+    def owns(self, path: Path) -> bool:
+        """The store in which they are."""
+        return path == self._preview.place
+
+    def count(self, path: Path) -> int:
+        """Nobody watches how far it is."""
+        return 1
+
+    def items(self, path: Path) -> Iterator[Item]:
+        """Each recording once."""
+        told = {one["digest"]: one["source"] for one in self._preview.found() if one["digest"] is not None}
+        for digest, source in told.items():
+            yield Item(source, partial(self._read, digest))
+
+    def _read(self, digest: str) -> Recording:
+        return self._wishes.of(self._scratch.get(digest), self._who)
+
+
+def keep(state: State, who: Account, preview: Preview, wishes: Wishes) -> list[Outcome]:
+    """Keep all recordings of a preview, and tell what became of each; then nothing of it waits any more."""
+    with open_store(preview.place, preview.blobs, durable=False, make=False) as scratch:
+        waiting = _Waiting(scratch, preview, wishes, who)
+        found = list(import_paths(state.store, [preview.place], [waiting], uploader=who.name))
+    state.previews.drop(preview.id)
+    return found

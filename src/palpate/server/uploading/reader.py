@@ -1,0 +1,137 @@
+"""Reads an upload in a process of its own, which has only so much memory and time: ``python -m`` with its folder.
+
+Whoever uploads decides what the importers read. A file that makes one of them take too much ends this process, and not
+the server.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import sys
+import tomllib
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from palpate.errors import PalpateError
+from palpate.server.receiving import check_owner
+from palpate.server.security.accounts import Account, Role
+from palpate.server.uploading.previews import FOUND, Preview
+from palpate.store.errors import StoreError
+from palpate.store.importing import squeezes
+from palpate.store.importing.bags import format
+from palpate.store.importing.bags.reading_topics import read_topic_map
+from palpate.store.importing.bags.topics import TopicMap
+from palpate.store.importing.columns import ColumnMap
+from palpate.store.importing.formats import all_formats
+from palpate.store.importing.intake import import_paths
+from palpate.store.importing.items import Fate, Format, Item, Outcome
+from palpate.store.importing.reading_columns import read_columns
+from palpate.store.opening import open_store
+from palpate.store.records import Recording
+from palpate.store.units import admit_units
+
+__all__ = ["TASK"]
+
+TASK = "task.json"
+LARGEST_MEMORY_BYTES = 3 << 30
+LONGEST_S = 120
+MOST_ITEMS = 5_000
+FOR_FORMS = {
+    squeezes.UNMAPPED: "is CSV, and nothing says what its columns mean: send a column map (.toml) with it",
+    format.UNMAPPED: "is a bag, and nothing says what its topics become: send a map of topics (.toml) with it",
+}
+"""Sentences that speak of the command line."""
+
+
+class Theirs:
+    """A format whose recordings are not those of somebody else than the account that uploads."""
+
+    def __init__(self, inner: Format, who: Account) -> None:
+        self._format = inner
+        self._who = who
+
+    def owns(self, path: Path) -> bool:
+        """As the format says."""
+        return self._format.owns(path)
+
+    def count(self, path: Path) -> int:
+        """As the format says."""
+        return self._format.count(path)
+
+    def items(self, path: Path) -> Iterator[Item | Outcome]:
+        """The items; what is in the name of somebody else is refused."""
+        for item in self._format.items(path):
+            yield item if isinstance(item, Outcome) else Item(item.source, partial(self._read, item))
+
+    def _read(self, item: Item) -> Recording:
+        try:
+            found = item.read()
+        except (MemoryError, OverflowError):
+            raise StoreError("holds more, or larger numbers, than can be read here") from None
+        check_owner(found, self._who)
+        return found
+
+
+def _maps(sent: Path) -> tuple[ColumnMap | None, TopicMap | None, list[Outcome]]:
+    """What TOML files beside the others say of columns and of topics, and those that say neither."""
+    columns, topics, refused = None, None, list[Outcome]()
+    for path in sorted(sent.glob("*.toml")):
+        aside = sent.parent / path.name
+        path.rename(aside)
+        try:
+            plain = tomllib.loads(aside.read_text(encoding="utf-8"))
+            if "topics" in plain and topics is None:
+                topics = read_topic_map(aside)
+            elif "topics" not in plain and columns is None:
+                columns = read_columns(aside)
+            else:
+                raise StoreError(
+                    "is a second map of its kind, expected one: upload the files of the other by themselves"
+                )
+        except (PalpateError, OSError, ValueError, RecursionError) as error:
+            reason = str(error).removeprefix(f"{aside}: ").replace(str(aside), path.name)
+            refused.append(Outcome(str(path), Fate.REFUSED, reason))
+    return columns, topics, refused
+
+
+def _read_all(preview: Preview, task: dict[str, Any]) -> Iterator[Outcome]:
+    who = Account(task["account"], Role[task["role"]])
+    columns, topics, refused = _maps(preview.sent)
+    yield from refused
+    formats = [Theirs(one, who) for one in all_formats(columns, topics)]
+    with open_store(preview.place, preview.blobs, durable=False) as store:
+        admit_units(store, task["units"])
+        for count, outcome in enumerate(import_paths(store, [preview.sent], formats)):
+            if count >= MOST_ITEMS:
+                yield Outcome("more", Fate.REFUSED, f"more than {MOST_ITEMS} items, expected fewer in one upload")
+                return
+            yield outcome
+
+
+def _plain(outcome: Outcome, hidden: str) -> dict[str, Any]:
+    reason = FOR_FORMS.get(outcome.reason or "", outcome.reason)
+    reason = None if reason is None else " ".join(reason.replace(f"{hidden}/", "").split())
+    digest = None if outcome.recording is None or outcome.fate is Fate.REFUSED else outcome.recording.digest
+    source = outcome.source.removeprefix(f"{hidden}/").removeprefix(hidden)
+    return {"source": source, "fate": outcome.fate.value, "reason": reason, "digest": digest}
+
+
+def main(folder: Path) -> None:
+    """Read what lies in a preview, and leave beside it what became of each item."""
+    for limit, most in (
+        (resource.RLIMIT_AS, LARGEST_MEMORY_BYTES),
+        (resource.RLIMIT_CPU, LONGEST_S),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        resource.setrlimit(limit, (most, most))
+    preview = Preview(folder.name, folder)
+    task = json.loads((folder / TASK).read_text(encoding="utf-8"))
+    found = [_plain(outcome, str(preview.sent)) for outcome in _read_all(preview, task)]
+    (folder / FOUND).write_text(json.dumps([*task["refused"], *found]), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

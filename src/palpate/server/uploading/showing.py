@@ -1,0 +1,86 @@
+"""What a preview shows of each item."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from uuid import UUID
+
+from markupsafe import Markup
+
+from palpate.server.plots.curves import channel_plot, squeeze_of, squeeze_plot
+from palpate.server.security.accounts import Account
+from palpate.server.uploading.previews import Preview
+from palpate.store.opening import open_store
+from palpate.store.parts import Head, head_of, series_of
+from palpate.store.store import Store
+from palpate.store.viewing import Viewer
+from palpate.store.visible_episodes import recordings_of_digests
+
+__all__ = ["Shown", "shown_of"]
+
+ALL = Viewer(everything=True)
+MOST_SHOWN = 200
+MOST_DRAWN = 12
+MOST_CURVES = 4
+LARGEST_PLOTTED = 5_000_000
+
+
+@dataclass(frozen=True)
+class Shown:
+    """An item of an upload.
+
+    Attributes
+    ----------
+    source
+        The file.
+    fate, reason
+        What became of it when it was read.
+    head
+        The recording; None where it is none, or where too many came before it.
+    known
+        The id under which the store has it already, where the account may see it.
+    curves
+        Its signals.
+    """
+
+    source: str
+    fate: str
+    reason: str | None
+    head: Head | None = None
+    known: UUID | None = None
+    curves: tuple[Markup, ...] = ()
+
+
+def shown_of(store: Store, who: Account, preview: Preview) -> list[Shown]:
+    """All items of a preview, the first ones with their curves."""
+    found = preview.found()
+    digests = [one["digest"] for one in found if one["digest"] is not None]
+    known = recordings_of_digests(store, who.viewer, digests)
+    items, drawn = list[Shown](), 0
+    with open_store(preview.place, preview.blobs, durable=False, make=False) as scratch:
+        for one in found:
+            digest, head = one["digest"], None
+            if digest is not None and len(items) < MOST_SHOWN:
+                head = head_of(scratch, ALL, bytes.fromhex(digest))
+            curves = tuple(_curves(scratch, head)) if head is not None and drawn < MOST_DRAWN else ()
+            drawn += bool(curves)
+            items.append(Shown(one["source"], one["fate"], one["reason"], head, known.get(digest), curves))
+    return items
+
+
+def _curves(scratch: Store, head: Head) -> Iterator[Markup]:
+    count = 0
+    for position, info in enumerate(head.series):
+        if count >= MOST_CURVES or sum(channel["count"] for channel in info.channels) > LARGEST_PLOTTED:
+            continue
+        series = series_of(scratch, head, position)
+        squeeze = None if series is None else squeeze_of(series)
+        if squeeze is not None:
+            count += 1
+            yield squeeze_plot(squeeze)
+        for channel in () if series is None else series.channels[: MOST_CURVES - count]:
+            plot = channel_plot(channel)
+            if plot is not None:
+                count += 1
+                yield plot

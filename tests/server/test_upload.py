@@ -1,0 +1,334 @@
+"""The upload form: what comes is shown, and kept when somebody says so; it harms nobody, whatever it is."""
+
+import io
+import json
+import re
+import time
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from zipfile import ZIP_DEFLATED, ZipFile
+
+import pytest
+from fastapi.testclient import TestClient
+
+from palpate.server.app import application
+from palpate.server.security.accounts import Role, add_user, issue
+from palpate.server.uploading.previews import HOLDS_S, MOST_OF_ACCOUNT, Previews
+from palpate.store.archive import export_archive
+from palpate.store.entries import Distribution, Value
+from palpate.store.listing import list_recordings
+from palpate.store.opening import open_store
+from palpate.store.records import FileItem
+from palpate.store.store import Store
+from tests.server.conftest import SMALL
+from tests.server.packages import package
+from tests.store.made_up import squeeze
+
+ORIGIN = {"Origin": "http://testserver"}
+HTML = b"<!doctype html><script>alert(1)</script>"
+SVG = b'<svg xmlns="http://www.w3.org/2000/svg"><script>alert(1)</script></svg>'
+COLUMNS = b"""
+action = "squeezing"
+rate_hz = 100
+[channels.position]
+unit = "mm"
+[channels.force]
+unit = "N"
+[results.elasticity]
+column = "E"
+unit = "kPa"
+[object]
+dataset = "our lab"
+id = "sponge"
+[recorded]
+pattern = '_(?P<time>[0-9T]+)'
+format = "%Y%m%dT%H%M"
+"""
+UPLOADED = {
+    "measurement": {
+        "object_instance": {"common_name": "banana_ycb", "dataset_id": "011_banana", "dataset": "ycb"},
+        "setup": {"gripper": "robotiq_2f85", "camera": "cam1"},
+        "sensor_outputs": {"cam1": {"image": "img_cam1.png"}},
+    },
+    "entry": {
+        "name": "cat-vision",
+        "type": "categorical",
+        "repository": None,
+        "values": [{"name": "banana", "probability": 0.75}, {"name": "mug", "probability": 0.25}],
+    },
+}
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[Store]:
+    """A new store in a file: what is put into it is put into others by the same code."""
+    with open_store(tmp_path / "store.sqlite", tmp_path / "blobs", durable=False) as found:
+        yield found
+
+
+@pytest.fixture
+def ann(store: Store) -> Iterator[TestClient]:
+    """The application asked by ann's browser."""
+    add_user(store, "ann", Role.OWNER)
+    with TestClient(application(store, SMALL), raise_server_exceptions=False) as found:
+        found.cookies.set("palpate-session", issue(store, "ann"))
+        found.headers.update(ORIGIN)
+        yield found
+
+
+def zipped(files: Mapping[str, bytes]) -> bytes:
+    made = io.BytesIO()
+    with ZipFile(made, "w", ZIP_DEFLATED) as packed:
+        for name, data in files.items():
+            packed.writestr(name, data)
+    return made.getvalue()
+
+
+def folder(path: Path) -> dict[str, bytes]:
+    return {str(one.relative_to(path)): one.read_bytes() for one in path.rglob("*") if one.is_file()}
+
+
+def send(client: TestClient, files: Mapping[str, bytes]) -> tuple[str, str]:
+    """Upload files by the form; the address and the text of what was understood."""
+    found = client.post("/upload", files=[("files", (name, data)) for name, data in files.items()])
+    assert found.status_code == 200, found.text
+    return str(found.url).removeprefix("http://testserver"), found.text
+
+
+def fates(text: str) -> dict[str, str]:
+    return dict(re.findall(r"<li><strong>([^<]*)</strong> (?:is refused|is left out): ([^<]*)</li>", text))
+
+
+def test_all_kinds_are_understood_and_kept(ann: TestClient, store: Store, tmp_path: Path) -> None:
+    """A package, an archive, an upload dictionary with its picture, CSV with its map, and a bag, in one upload."""
+    with open_store(tmp_path / "other.sqlite", tmp_path / "others", durable=False) as other:
+        other.put(squeeze(1))
+        export_archive(other, tmp_path / "archive")
+    rows = "\n".join(["position,force,E", *(f"{60 - row},{row},{12.5}" for row in range(40))])
+    address, text = send(
+        ann,
+        {
+            "session.zip": package(squeeze(2, owner="ann", visibility="public")),
+            "archive.zip": zipped(folder(tmp_path / "archive")),
+            "upload_dict_2022_04_29_16_51_04_cat-vision_0.json": json.dumps(UPLOADED).encode(),
+            "img_cam1.png": b"\x89PNG\r\n\x1a\n picture",
+            "sponge_20240501T1430.csv": rows.encode(),
+            "columns.toml": COLUMNS,
+            "notes.txt": b"nothing",
+            "broken.json": b"{",
+            "run.mcap": b"\x89MCAP0\r\n",
+        },
+    )
+    assert "4 new recordings" in text
+    assert text.count("<svg") > 2
+    assert "banana 75%" in text
+    assert "UTC is assumed" in text
+    assert {"notes.txt", "broken.json", "run.mcap"} == fates(text).keys()
+    assert list_recordings(store).rows == ()
+    found = ann.post(f"{address}/keep", data={"visibility": "", "owner": "ann"})
+    assert found.status_code == 200
+    assert "4 recordings are in the store" in found.text
+    links = re.findall(r'href="(/recordings/[0-9a-f-]{36})"', found.text)
+    assert len(links) == 4
+    assert {ann.get(link).status_code for link in links} == {200}
+    rows_ = list_recordings(store).rows
+    assert {row.owner for row in rows_} == {"ann"}
+    assert sorted(row.visibility for row in rows_) == ["private", "private", "private", "public"]
+    entries = {row.action: row.entries for row in rows_ if row.thing in ("011_banana", "sponge")}
+    assert entries["cat-vision"] == (Distribution("category", {"banana": 0.75, "mug": 0.25}),)
+    assert entries["squeezing"] == (Value("elasticity", 12.5, None, "kPa"),)
+    assert ann.get(address).status_code == 404
+
+
+def test_what_is_known_and_what_is_refused_is_told_before(ann: TestClient, store: Store) -> None:
+    """Item by item with the reason; the others are kept, with the visibility that is chosen."""
+    store.put(squeeze(1, owner="ann"))
+    store.put(squeeze(9))  # which lets elasticity be in kPa
+    address, text = send(
+        ann,
+        {
+            "known.zip": package(squeeze(1, owner="ann")),
+            "good.zip": package(squeeze(2, owner="ann")),
+            "of_somebody.zip": package(squeeze(3, owner="kim", visibility="public")),
+            "of_other_unit.zip": package(squeeze(4, owner="ann", entries=(Value("elasticity", 1.0, None, "mm"),))),
+            "cut.zip": package(squeeze(5, owner="ann"))[:-40],
+        },
+    )
+    assert "1 new recording, 1 known already, <strong>3 refused</strong>" in text
+    reasons = fates(text)
+    assert "kim" in reasons["of_somebody.zip"]
+    assert "elasticity" in reasons["of_other_unit.zip"] or "unit" in reasons["of_other_unit.zip"]
+    assert "no zip file" in reasons["cut.zip"]
+    found = ann.post(f"{address}/keep", data={"visibility": "lab"})
+    assert "2 recordings are in the store" in found.text
+    assert "was there already" in found.text
+    assert sorted(row.visibility for row in list_recordings(store).rows) == ["lab", "private", "private"]
+
+
+def test_cancelled_nothing_stays(ann: TestClient, store: Store) -> None:
+    """Neither in the store nor on the disk."""
+    address, _ = send(ann, {"one.zip": package(squeeze(1, owner="ann"))})
+    root: Path = ann.app.state.palpate.previews.root  # type: ignore[attr-defined]
+    assert len(list(root.iterdir())) == 1
+    assert ann.post(f"{address}/cancel", follow_redirects=False).status_code == 303
+    assert list(root.iterdir()) == []
+    assert list_recordings(store).rows == ()
+    assert ann.post(f"{address}/keep", data={"visibility": ""}).status_code == 404
+
+
+def test_only_the_session_that_sent_it_sees_a_preview(ann: TestClient, store: Store) -> None:
+    """For others, for administrators, and for another session of the same account it is not there."""
+    address, _ = send(ann, {"one.zip": package(squeeze(1, owner="ann"))})
+    add_user(store, "kim", Role.OWNER)
+    add_user(store, "root", Role.ADMIN)
+    mine = ann.cookies["palpate-session"]
+    for name in ("kim", "root", "ann"):
+        ann.cookies.set("palpate-session", issue(store, name))
+        assert ann.get(address).status_code == 404
+        assert ann.post(f"{address}/keep", data={"visibility": ""}).status_code == 404
+        assert ann.post(f"{address}/cancel").status_code == 404
+    ann.cookies.set("palpate-session", mine)
+    assert ann.get(address).status_code == 200
+    for odd in ("/upload/" + "x" * 43, "/upload/%2e%2e%2fstore", f"{address}x"):
+        assert ann.get(odd).status_code == 404, odd
+
+
+def test_a_page_elsewhere_uploads_and_keeps_nothing(ann: TestClient, store: Store) -> None:
+    """Each form must come from this site."""
+    address, _ = send(ann, {"one.zip": package(squeeze(1, owner="ann"))})
+    for origin in ("http://evil.example", "null"):
+        headers = {"Origin": origin}
+        one = [("files", ("one.zip", package(squeeze(2, owner="ann"))))]
+        assert ann.post("/upload", files=one, headers=headers).status_code == 403
+        assert ann.post("/upload/one", data={"value": "1"}, headers=headers).status_code == 403
+        assert ann.post(f"{address}/keep", data={"visibility": "public"}, headers=headers).status_code == 403
+        assert ann.post(f"{address}/cancel", headers=headers).status_code == 403
+    assert list_recordings(store).rows == ()
+    assert ann.get(address).status_code == 200
+
+
+def test_bombs_and_names_that_lead_elsewhere_are_refused(ann: TestClient, tmp_path: Path) -> None:
+    """The others of the upload are still shown, and nothing lies outside the folder of the preview."""
+    deep = json.dumps(UPLOADED).replace("null", "[" * 100_000 + "]" * 100_000).encode()
+    _, text = send(
+        ann,
+        {
+            "good.zip": package(squeeze(1, owner="ann")),
+            "bomb.zip": zipped({"zeros": bytes(4 << 20)}),
+            "up.zip": zipped({"../../up.txt": b"x"}),
+            "absolute.zip": zipped({"/tmp/absolute.txt": b"x"}),
+            "drive.zip": zipped({"C:\\drive.txt": b"x"}),
+            "../../../out.json": b"{}",
+            "upload_dict_2022_04_29_16_51_04_cat-vision_1.json": deep,
+        },
+    )
+    assert "1 new recording" in text
+    reasons = fates(text)
+    assert "bytes when unpacked" in reasons["bomb.zip"]
+    assert "leads out" in reasons["up.zip"]
+    assert "absolute" in reasons["absolute.zip"]
+    assert "absolute" in reasons["drive.zip"]
+    assert "leads out" in reasons["../../../out.json"]
+    assert "JSON" in reasons["upload_dict_2022_04_29_16_51_04_cat-vision_1.json"]
+    root: Path = ann.app.state.palpate.previews.root  # type: ignore[attr-defined]
+    assert not list(root.parent.glob("out.json"))
+    assert not Path("/tmp/absolute.txt").exists()
+    assert str(root) not in text
+
+
+def test_files_of_an_upload_come_back_harmless(ann: TestClient, store: Store) -> None:
+    """A page, a drawing that runs, and one that is two things at once are downloads of no type when they are kept."""
+    files = tuple(
+        FileItem(name, kind, data)
+        for name, kind, data in (
+            ("a.html", "text/html", HTML),
+            ("b.svg", "image/svg+xml", SVG),
+            ("c.png", "image/png", HTML),
+        )
+    )
+    evil = "<script>alert(1)</script>"
+    address, text = send(ann, {"x.zip": package(squeeze(1, owner="ann", files=files, notices=(evil,)))})
+    assert "<script>alert" not in text
+    assert "&lt;script&gt;" in text
+    found = ann.post(f"{address}/keep", data={"visibility": ""})
+    link = re.findall(r"/recordings/([0-9a-f-]{36})", found.text)[0]
+    for place in range(3):
+        back = ann.get(f"/api/v1/recordings/{link}/files/{place}")
+        assert back.headers["content-type"] == "application/octet-stream"
+        assert back.headers["content-disposition"].startswith("attachment")
+
+
+def test_who_may_upload(ann: TestClient, store: Store) -> None:
+    """Accounts that may write; only they have it in the menu."""
+    assert 'href="/upload"' in ann.get("/").text
+    add_user(store, "rita", Role.READER)
+    ann.cookies.set("palpate-session", issue(store, "rita"))
+    assert ann.get("/upload").status_code == 403
+    assert ann.post("/upload/one", data={"value": "1"}).status_code == 403
+    assert 'href="/upload"' not in ann.get("/").text
+    ann.cookies.clear()
+    assert ann.get("/upload").status_code == 401
+    assert ann.post("/upload", files=[("files", ("a.zip", b""))]).status_code == 401
+    assert 'href="/upload"' not in ann.get("/").text
+
+
+def test_a_typed_measurement(ann: TestClient, store: Store) -> None:
+    """It is kept at once; what is wrong is told above the form, which keeps what was typed."""
+    given = {
+        "dataset": "our lab",
+        "object": "mug",
+        "action": "weighing",
+        "property": "mass",
+        "value": "118.5",
+        "sd": "0.5",
+        "unit": "g",
+        "recorded_at": "2024-05-01T12:00",
+        "device": "kitchen scale",
+        "kind": "other",
+        "visibility": "lab",
+    }
+    for wrong in ({"unit": "blorp"}, {"value": "heavy"}, {"recorded_at": "noon"}, {"object": ""}, {"sd": "-1"}):
+        refused = ann.post("/upload/one", data={**given, **wrong})
+        assert refused.status_code == 422, wrong
+        assert 'role="alert"' in refused.text
+        assert "kitchen scale" in refused.text
+    assert list_recordings(store).rows == ()
+    for _ in range(2):
+        found = ann.post("/upload/one", data=given)
+        assert (found.status_code, "118.5 ± 0.5 g" in found.text) == (200, True)
+    (row,) = list_recordings(store).rows
+    assert (row.owner, row.visibility, row.entries) == ("ann", "lab", (Value("mass", 118.5, 0.5, "g"),))
+    label = {**given, "property": "material", "value": "wood", "unit": "", "sd": ""}
+    assert "wood 100%" in ann.post("/upload/one", data=label).text
+
+
+def test_previews_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """After a while, and the oldest of an account when it has too many; those of others stay."""
+    previews, others = Previews(tmp_path), Previews(tmp_path)
+    first, *_ = made = [previews.new("ann's session", "ann") for _ in range(MOST_OF_ACCOUNT)]
+    of_kim = others.new("kim's session", "kim")
+    assert first is not None
+    assert of_kim is not None
+    for one in (*made, of_kim):
+        assert one is not None
+        (one.folder / "found.json").write_text("[]")
+    assert others.get(first.id, "ann's session") is not None
+    assert others.get(first.id, "kim's session") is None
+    assert others.new("ann's session", "ann") is not None
+    assert previews.get(first.id, "ann's session") is None
+    assert previews.get(of_kim.id, "kim's session") is not None
+    later = time.time() + HOLDS_S + 1
+    monkeypatch.setattr(time, "time", lambda: later)
+    assert previews.get(of_kim.id, "kim's session") is None
+    previews.sweep()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_nobody_keeps_in_the_name_of_somebody_else(ann: TestClient, store: Store) -> None:
+    """What states no owner may stay so, or be one's own; it is noted in any case who sent it."""
+    for owner, shown in (("kim", "1 could not be kept"), ("", "1 recording is in the store")):
+        address, _ = send(ann, {"one.zip": package(squeeze(1))})
+        assert shown in ann.post(f"{address}/keep", data={"owner": owner}).text
+    (row,) = list_recordings(store).rows
+    assert row.owner is None
+    assert ann.get(f"/recordings/{row.id}").status_code == 200
