@@ -57,8 +57,10 @@ class World:
             yield f"{one}/series/0/channels/0/sound"
             yield f"/recordings/{key}"
             yield f"/recordings/{key}/series/0/channels/0/spectrogram.png"
+            yield f"/recordings/{key}/series/0/channels/0/plot.json"
         thing = thing_address(recording.thing)
         yield from (f"{API}/objects/{thing}", f"{API}/objects/{thing}/images/0", f"/objects/{thing}")
+        yield f"/objects/{thing}/plot.json?property=mass"
         yield from (f"{API}/setups/{recording.setup.digest}", f"/setups/{recording.setup.digest}")
         yield from (f"{API}/episodes/{self.episodes[visibility].id}", f"/episodes/{self.episodes[visibility].id}")
 

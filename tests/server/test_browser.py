@@ -138,6 +138,40 @@ def test_a_sound_plays_and_pictures_show(page: Any) -> None:
     assert page.title() != "evil"
 
 
+def test_zoom_a_plot(page: Any) -> None:
+    """A picture becomes a figure: dragging zooms, reset takes it back, it is saved as PNG, and the picture returns."""
+    page.goto("/objects/simulated/banana_ycb")
+    frame = page.locator("figure.plotted").first
+    words = frame.locator("svg.plot").get_attribute("aria-label")
+    frame.get_by_role("button", name="Zoom").click()
+    figure = frame.get_by_role("group", name=words)
+    figure.locator("canvas").first.wait_for()
+    assert not frame.locator("svg.plot").is_visible()
+    ends = "() => { const { start, end } = Bokeh.documents.at(-1).roots()[0].x_range; return [start, end]; }"
+    before, box = page.evaluate(ends), figure.locator(".bk-events").bounding_box()
+    x, y = box["x"] + box["width"] * 0.6, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 20, y + 10, steps=3)
+    page.mouse.move(x + 60, y + 20, steps=3)
+    page.mouse.up()
+    page.wait_for_function(
+        f"([low, high]) => {{ const now = ({ends})(); return now[0] > low && now[1] < high; }}", arg=before
+    )
+    figure.get_by_title("Reset").click()
+    page.wait_for_function(
+        f"([low, high]) => {{ const now = ({ends})(); return now[0] === low && now[1] === high; }}", arg=before
+    )
+    with page.expect_download() as download:
+        figure.get_by_title("Save as PNG").click()
+    assert Path(download.value.path()).read_bytes()[:4] == b"\x89PNG"
+    page.emulate_media(media="print")
+    assert frame.locator("svg.plot").is_visible()
+    page.emulate_media(media="screen")
+    frame.get_by_role("button", name="Picture").click()
+    assert frame.locator("svg.plot").is_visible()
+
+
 def test_step_through_an_exploration(page: Any) -> None:
     """Each step shows its choice; from it one gets to the recording of its action."""
     page.goto("/episodes")

@@ -1,4 +1,8 @@
+import base64
+import gzip
+import json
 import re
+from typing import Any
 from uuid import uuid4
 
 import numpy as np
@@ -6,11 +10,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from palpate.server.plots.curves import channel_plot, squeeze_of
+from palpate.robots.signal_files import wav
+from palpate.server.plots.curves import channel_plot
+from palpate.server.plots.interactive import figure_json
+from palpate.server.plots.plot import Plot
 from palpate.server.plots.points import points_plot
 from palpate.server.plots.scale import spanning
+from palpate.server.plots.sounds import sound_in
 from palpate.server.plots.spectrogram import spectrogram
-from palpate.store.records import Channel, Series
+from palpate.server.plots.squeezes import Held, held_by, squeeze_of, squeeze_plot, squeeze_words
+from palpate.server.plots.svg import svg
+from palpate.store.records import Channel, Device, Series, Setup
 from palpate.store.visible_results import Result
 from tests.store.made_up import START
 
@@ -28,8 +38,13 @@ def test_a_scale_holds_all_values_and_has_round_ticks(values: list[float]) -> No
     assert all(scale.low <= tick * (1 + 1e-9) and tick <= scale.high + abs(scale.high) * 1e-9 for tick in ticks)
 
 
+def drawn(plot: Plot | None) -> str:
+    assert plot is not None
+    return str(svg(plot))
+
+
 def drawn_y(channel: Channel) -> list[list[float]]:
-    plot = str(channel_plot(channel))
+    plot = drawn(channel_plot(channel))
     return [[float(pair.split(",")[1]) for pair in points.split()] for points in re.findall(r'points="([^"]*)"', plot)]
 
 
@@ -62,8 +77,11 @@ def test_what_is_no_curve_is_not_drawn(values: np.ndarray) -> None:
 @pytest.mark.parametrize("values", [np.full(5, np.nan), np.array([np.inf, 1.0]), np.array([1e308, -1e308]), np.ones(1)])
 def test_odd_samples_can_be_drawn(values: np.ndarray) -> None:
     """Whatever numbers are there, a plot has numbers only."""
-    plot = str(channel_plot(Channel("odd", "odd", None, values)))
+    found = channel_plot(Channel("odd", "odd", None, values))
+    plot = drawn(found)
     assert not re.search(r'="[^"]*\b(nan|inf)\b', plot)
+    assert found is not None
+    json.loads(figure_json(found, dark=False), parse_constant=pytest.fail)
 
 
 def test_the_line_through_a_squeeze_is_found() -> None:
@@ -71,12 +89,110 @@ def test_the_line_through_a_squeeze_is_found() -> None:
     gap = np.linspace(60, 40, 100)
     force = 2.0 * np.maximum(0.0, 50 - gap) + np.random.default_rng(1).normal(0, 0.05, 100)
     channels = Channel("position", "length", "mm", gap), Channel("force", "force", "N", force)
-    found = squeeze_of(Series("gripper", channels))
+    found = squeeze_of(Series("gripper", channels), Held())
     assert found is not None
     assert found.hinge is not None
     assert found.hinge.slope == pytest.approx(2.0, rel=0.02)
     assert found.hinge.contact == pytest.approx(50.0, abs=0.1)
-    assert squeeze_of(Series("gripper", channels[:1])) is None
+    assert squeeze_of(Series("gripper", channels[:1]), Held()) is None
+    # without an area it is force over the gap, and is said why
+    plot = squeeze_plot(found)
+    assert (plot.across, plot.up) == ("gap [mm]", "force [N]")
+    assert "contact area" in squeeze_words(found)
+
+
+def spring(width_mm: float, stiffness: float) -> Series:
+    gap = np.linspace(width_mm + 5, width_mm - 8, 130)
+    force = 0.3 + stiffness * np.maximum(0.0, width_mm - gap) + np.random.default_rng(2).normal(0, 0.02, 130)
+    return Series("gripper", (Channel("gap", "length", "mm", gap), Channel("force", "force", "N", force)))
+
+
+@pytest.mark.parametrize("told_by", ["grasp", "gripper"])
+def test_stress_over_strain_has_youngs_modulus_as_its_slope(told_by: str) -> None:
+    """1.5 N/mm over 600 mm2 of an object of 40 mm is 100 kPa; strain is 0 at contact, stress is without idle force."""
+    told = {"contact_area_mm2": 600.0}
+    gripper = Device("gripper", "jaws", parameters=told if told_by == "gripper" else {})
+    held = held_by(Setup(gripper=gripper), {"rest_width_mm": 40.0, **told} if told_by == "grasp" else None)
+    found = squeeze_of(spring(40.0, 1.5), held)
+    assert found is not None
+    assert found.modulus_kpa == pytest.approx(100.0, rel=0.02)
+    plot = squeeze_plot(found)
+    measured, fitted = plot.curves
+    assert plot.up == "stress [kPa]"
+    assert measured.x[-1] == pytest.approx(8 / 40, rel=0.02)
+    assert measured.y[-1] == pytest.approx(1e3 * 1.5 * 8 / 600, rel=0.03)
+    assert abs(measured.y[:40]).max() < 0.2
+    assert fitted.y[-1] / fitted.x[-1] == pytest.approx(found.modulus_kpa)
+    assert ("as it is known" if told_by == "grasp" else "the gap at contact") in squeeze_words(found)
+
+
+def test_a_squeeze_of_nothing_says_why_there_is_no_line() -> None:
+    """Noise alone: force over the gap, with the reason."""
+    gap, force = np.linspace(50, 40, 80), np.random.default_rng(0).normal(0, 0.1, 80)
+    series = Series("gripper", (Channel("gap", "length", "mm", gap), Channel("force", "force", "N", force)))
+    found = squeeze_of(series, Held(area_mm2=600.0))
+    assert found is not None
+    assert found.flaw
+    assert found.flaw in squeeze_words(found)
+    assert held_by(Setup(), {"contact_area_mm2": "much", "rest_width_mm": True}) == Held()
+
+
+def columns(figure: bytes) -> list[dict[str, Any]]:
+    """The columns of all sources of a figure, arrays as bytes decoded."""
+    found: list[dict[str, Any]] = []
+
+    def look(part: Any) -> None:
+        if isinstance(part, dict):
+            if part.get("name") == "ColumnDataSource":
+                entries = part["attributes"]["data"]["entries"]
+                found.append({name: values(value) for name, value in entries})
+            for inner in part.values():
+                look(inner)
+        elif isinstance(part, list):
+            for inner in part:
+                look(inner)
+
+    def values(value: Any) -> Any:
+        if isinstance(value, dict):
+            return np.frombuffer(gzip.decompress(base64.b64decode(value["array"]["data"])), value["dtype"])
+        return value
+
+    look(json.loads(figure))
+    return found
+
+
+def test_the_figure_has_what_the_picture_has() -> None:
+    """One description gives both: all samples of a short channel are in the figure, to the last bit."""
+    values = np.random.default_rng(4).normal(size=300)
+    plot = channel_plot(Channel("force", "force", "N", values, rate_hz=100.0))
+    assert plot is not None
+    (source,) = columns(figure_json(plot, dark=False))
+    np.testing.assert_array_equal(source["y"], values)
+    np.testing.assert_allclose(source["x"], np.arange(300) / 100)
+    assert len(drawn_y(Channel("force", "force", "N", values, rate_hz=100.0))[0]) == 300
+
+
+def test_a_figure_takes_the_colours_of_the_page_and_no_formula() -> None:
+    """Dark and light differ by their colours; a name in dollars is text, as a formula would load more code."""
+    plot = channel_plot(Channel("$$x", "odd", None, np.arange(3.0)))
+    assert plot is not None
+    light, dark = (figure_json(plot, dark=dark).decode() for dark in (False, True))
+    assert "#2166ac" in light
+    assert "#79b4ea" in dark
+    # each place where text could be taken for a formula
+    assert light.count("$$") == light.count('"attributes": {"text": "$$') > 0
+
+
+def test_sounds_in_files() -> None:
+    """A WAV file of 16 bits gives its samples; what is none gives nothing."""
+    samples = np.array([0.0, 0.5, -0.5])
+    data = wav(samples, 8000.0)
+    found = sound_in(data)
+    assert found is not None
+    assert found.rate_hz == 8000.0
+    assert found.values == pytest.approx(samples, abs=1e-4)
+    for broken in (b"", data[:20], data.replace(b"fmt ", b"fmtx"), data[:44]):
+        assert sound_in(broken) is None
 
 
 def test_a_tone_is_a_line_at_its_pitch() -> None:
@@ -99,7 +215,8 @@ def test_points_are_where_their_values_are() -> None:
         )
         for value in (10.0, 14.0, 20.0)
     ]
-    plot = str(points_plot("mass", results, [(15.0, "scale")]))
+    found = points_plot("mass", results, [(15.0, "scale")])
+    plot = drawn(found)
     x = [float(one) for one in re.findall(r'cx="([\d.]+)"', plot)]
     assert x == sorted(x)
     assert (x[1] - x[0]) / (x[2] - x[0]) == pytest.approx(0.4, abs=0.01)
@@ -109,4 +226,8 @@ def test_points_are_where_their_values_are() -> None:
     ]
     assert [(a + b) / 2 for a, b in bars] == pytest.approx(x, abs=0.02)
     assert bars[0][1] - bars[0][0] == pytest.approx(x[1] - x[0], abs=0.05)
+    assert found is not None
+    source = next(one for one in columns(figure_json(found, dark=False)) if "low" in one)
+    assert list(source["x"]) == [10.0, 14.0, 20.0]
+    assert list(source["high"]) == [12.0, 16.0, 22.0]
     assert points_plot("mass", [], [(15.0, "scale")]) is None

@@ -16,7 +16,7 @@ from palpate.store.viewing import Viewer
 from palpate.store.visible_results import Group, groups_of_property
 from palpate.store.visible_things import things_by_name
 
-__all__ = ["Agreement", "DeviceError", "agreements"]
+__all__ = ["Agreement", "Cell", "DeviceError", "agreements"]
 
 ThingKey = tuple[str, str]
 

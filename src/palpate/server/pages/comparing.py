@@ -13,7 +13,8 @@ from pydantic import BaseModel, ConfigDict
 from palpate.server.api.parameters import StoreOf
 from palpate.server.api.queries import Text
 from palpate.server.benchmark import Agreement, agreements
-from palpate.server.pages.templates import page
+from palpate.server.pages.shown import Dark, figure, shown
+from palpate.server.pages.templates import page, search
 from palpate.server.plots.errors import errors_plot
 from palpate.server.security.who import Who
 from palpate.store.visible_setups import seen_properties
@@ -37,8 +38,14 @@ def compare(request: Request, store: StoreOf, who: Who, asked: Annotated[Asked, 
     names = [one.name for one in seen_properties(store, who.viewer) if one.unit is not None]
     name = asked.property or next(iter(names), None)
     found = None if name is None else agreements(store, who.viewer, name)
-    plot = None if found is None else errors_plot(found)
+    plot = None if found is None else shown(errors_plot(found), search("/compare/plot.json", property=name or ""))
     return page(request, "compare.html", names=names, name=name, found=found, plot=plot)
+
+
+@router.get("/plot.json")
+def plot(store: StoreOf, who: Who, property: Text, dark: Dark = False) -> Response:
+    """The figure of the errors of devices in one property."""
+    return figure(errors_plot(agreements(store, who.viewer, property)), dark=dark)
 
 
 @router.get("/table.csv")

@@ -3,26 +3,32 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated
+from urllib.parse import urlencode
 
 from fastapi import APIRouter, Query, Request
-from fastapi.responses import HTMLResponse
-from markupsafe import Markup
+from fastapi.responses import HTMLResponse, Response
 
 from palpate.network.units import unit_of
 from palpate.server.api.parameters import SeenThing, StoreOf
-from palpate.server.api.queries import ObjectQuery
+from palpate.server.api.queries import ObjectQuery, Text
 from palpate.server.corrections import may_change
+from palpate.server.names import thing_address
+from palpate.server.pages.shown import Dark, Shown, figure, shown
 from palpate.server.pages.templates import page
+from palpate.server.plots.final_beliefs import beliefs_plot
+from palpate.server.plots.plot import Plot
 from palpate.server.plots.points import points_plot
 from palpate.server.rest.proposals import PROPOSAL
 from palpate.server.security.who import Who
-from palpate.store.entries import Value
+from palpate.store.entries import Distribution, Value
+from palpate.store.final_beliefs import FinalBelief, final_beliefs
 from palpate.store.listing import list_recordings
 from palpate.store.listing_episodes import list_episodes
 from palpate.store.parts import Head, head_of
+from palpate.store.rows import most_probable
 from palpate.store.store import Store
 from palpate.store.things import Thing
 from palpate.store.viewing import Viewer, VisibleFilter
@@ -60,10 +66,18 @@ class About:
     """What an object's page says of one property."""
 
     name: str
-    plot: Markup | None
+    plot: Shown | None
     labels: Sequence[tuple[str, int]]
     others: Sequence[Result]
     count: int
+
+
+@dataclass(frozen=True)
+class Believed:
+    """What explorations ended up believing of one property."""
+
+    name: str
+    plot: Shown
 
 
 @router.get("/{dataset}/{name}")
@@ -77,6 +91,7 @@ def one(request: Request, store: StoreOf, who: Who, thing: SeenThing) -> HTMLRes
         thing=thing,
         may_change=may_change(store, who, thing.ref),
         properties=[_about(name, results, thing) for name in names],
+        beliefs=list(_believed(store, who, thing)),
         recordings=list_recordings(store, VisibleFilter(thing=thing.path, viewer=who.viewer), limit=20),
         episodes=list_episodes(store, thing=thing.path, viewer=who.viewer, limit=10).rows,
         proposals=_proposals(store, who.viewer, thing),
@@ -90,12 +105,52 @@ def _proposals(store: Store, viewer: Viewer, thing: Thing) -> list[Head]:
     return [head for head in found if head is not None]
 
 
+@router.get("/{dataset}/{name}/plot.json")
+def points(store: StoreOf, who: Who, thing: SeenThing, property: Text, dark: Dark = False) -> Response:
+    """The figure of all values of one property."""
+    own = [result for result in results_of(store, who.viewer, thing.ref) if result.property == property]
+    return figure(_points(property, own, thing), dark=dark)
+
+
+@router.get("/{dataset}/{name}/beliefs.json")
+def beliefs(store: StoreOf, who: Who, thing: SeenThing, property: Text, dark: Dark = False) -> Response:
+    """The figure of what explorations ended up believing of one property."""
+    return figure(_beliefs_plot(property, final_beliefs(store, who.viewer, thing.ref), thing), dark=dark)
+
+
 def _about(name: str, results: Sequence[Result], thing: Thing) -> About:
     own = [result for result in results if result.property == name]
-    unit = next((result.unit for result in own if result.unit is not None), None)
     labels = Counter(result.label for result in own if result.label is not None)
     others = [result for result in own if result.value is None and result.label is None]
-    return About(name, points_plot(name, own, _truths(name, unit, thing)), labels.most_common(), others, len(own))
+    plot = shown(_points(name, own, thing), _figure(thing, "plot", name))
+    return About(name, plot, labels.most_common(), others, len(own))
+
+
+def _points(name: str, own: Sequence[Result], thing: Thing) -> Plot | None:
+    unit = next((result.unit for result in own if result.unit is not None), None)
+    return points_plot(name, own, _truths(name, unit, thing))
+
+
+def _believed(store: StoreOf, who: Who, thing: Thing) -> Iterator[Believed]:
+    found = final_beliefs(store, who.viewer, thing.ref)
+    for name in dict.fromkeys(name for one in found for name in one.belief):
+        plot = shown(_beliefs_plot(name, found, thing), _figure(thing, "beliefs", name))
+        if plot is not None:
+            yield Believed(name, plot)
+
+
+def _beliefs_plot(name: str, found: Sequence[FinalBelief], thing: Thing) -> Plot | None:
+    unit = next((one.belief[name].get("unit") for one in found if name in one.belief), None)
+    labels = [
+        most_probable(one.entry.probabilities)
+        for one in thing.known
+        if isinstance(one.entry, Distribution) and one.entry.property == name
+    ]
+    return beliefs_plot(name, found, _truths(name, unit, thing), next(iter(labels), None))
+
+
+def _figure(thing: Thing, what: str, property: str) -> str:
+    return f"/objects/{thing_address(thing.ref)}/{what}.json?{urlencode({'property': property})}"
 
 
 def _truths(name: str, unit: str | None, thing: Thing) -> list[tuple[float, str]]:

@@ -2,39 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response
-from markupsafe import Markup
 
-from palpate.server.api.downloads import NO_TYPE, safe_type
 from palpate.server.api.parameters import Place, SeenRecording, StoreOf
 from palpate.server.api.queries import RecordingQuery
 from palpate.server.api.series import found_series, is_sound
+from palpate.server.pages.citing import citation
 from palpate.server.pages.sharing import form_values
+from palpate.server.pages.shown import Dark, figure
+from palpate.server.pages.signals import found_squeeze, shown_file, shown_signals, sound_of_file
 from palpate.server.pages.templates import page
-from palpate.server.plots.curves import channel_plot, squeeze_of, squeeze_plot
+from palpate.server.plots.curves import channel_plot
 from palpate.server.plots.spectrogram import spectrogram
+from palpate.server.plots.squeezes import squeeze_plot
 from palpate.server.problems import problem
 from palpate.server.security.who import Who
 from palpate.store import schema
 from palpate.store.listing import list_recordings
-from palpate.store.parts import Head, file_of, log_of, series_of
-from palpate.store.records import Series
-from palpate.store.store import Store
+from palpate.store.parts import log_of
 
 __all__ = ["router"]
 
 router = APIRouter(prefix="/recordings")
-MOST_PLOTS = 12
-"""Channels of a series that are drawn."""
-LARGEST_PLOTTED = 20_000_000
-"""Samples of a series that are read to be drawn."""
 LONGEST_LOG = 20_000
-LARGEST_SHOWN = 50 << 20
 
 
 @router.get("")
@@ -43,18 +36,6 @@ def rows(request: Request, store: StoreOf, who: Who, query: Annotated[RecordingQ
     wanted, sort = query.filter(who.viewer), query.sorting()
     found = list_recordings(store, wanted, sort, limit=query.limit, cursor=query.cursor)
     return page(request, "recordings.html", rows=found.rows, cursor=found.cursor, asked=query)
-
-
-@dataclass(frozen=True)
-class Signals:
-    """What a page shows of a series."""
-
-    name: str
-    position: int
-    squeeze: Markup | None
-    plots: tuple[tuple[str, Markup], ...]
-    sounds: tuple[int, ...]
-    left_out: int
 
 
 @router.get("/{key}")
@@ -67,11 +48,26 @@ def one(request: Request, store: StoreOf, who: Who, head: SeenRecording) -> HTML
         head=head,
         plain=head.document,
         sharing=form_values(store, who, schema.recordings, head.id),
-        signals=list(_signals(store, head)),
-        files=[_shown(store, head, place) for place in range(len(head.files))],
+        signals=list(shown_signals(store, head)),
+        files=[shown_file(store, head, place) for place in range(len(head.files))],
+        citation=citation(head, str(request.base_url).rstrip("/")),
         log=log[:LONGEST_LOG],
         log_is_longer=len(log) > LONGEST_LOG,
     )
+
+
+@router.get("/{key}/series/{position}/squeeze.json")
+def squeeze(store: StoreOf, head: SeenRecording, position: Place, dark: Dark = False) -> Response:
+    """The figure of a squeeze."""
+    found = found_squeeze(head, found_series(store, head, position))
+    return figure(None if found is None else squeeze_plot(found), dark=dark)
+
+
+@router.get("/{key}/series/{position}/channels/{channel}/plot.json")
+def curve(store: StoreOf, head: SeenRecording, position: Place, channel: Place, dark: Dark = False) -> Response:
+    """The figure of a channel over time."""
+    channels = found_series(store, head, position).channels
+    return figure(channel_plot(channels[channel]) if channel < len(channels) else None, dark=dark)
 
 
 @router.get("/{key}/series/{position}/channels/{channel}/spectrogram.png")
@@ -83,29 +79,17 @@ def picture(store: StoreOf, head: SeenRecording, position: Place, channel: Place
     return Response(spectrogram(series.channels[channel]), media_type="image/png")
 
 
-def _signals(store: Store, head: Head) -> Iterator[Signals]:
-    for position, info in enumerate(head.series):
-        if sum(channel["count"] for channel in info.channels) > LARGEST_PLOTTED:
-            yield Signals(info.name, position, None, (), (), len(info.channels))
-            continue
-        series = series_of(store, head, position)
-        if series is not None:
-            yield _drawn(series, position)
+@router.get("/{key}/files/{place}/plot.json")
+def curve_of_file(store: StoreOf, head: SeenRecording, place: Place, dark: Dark = False) -> Response:
+    """The figure of a sound that was recorded as a file."""
+    sound = sound_of_file(store, head, place)
+    return figure(None if sound is None else channel_plot(sound), dark=dark)
 
 
-def _drawn(series: Series, position: int) -> Signals:
-    squeeze = squeeze_of(series)
-    drawn = ((channel.name, channel_plot(channel)) for channel in series.channels[:MOST_PLOTS])
-    plots = tuple((name, plot) for name, plot in drawn if plot is not None)
-    sounds = tuple(place for place, channel in enumerate(series.channels) if is_sound(channel))
-    left_out = len(series.channels) - len(plots)
-    return Signals(series.name, position, None if squeeze is None else squeeze_plot(squeeze), plots, sounds, left_out)
-
-
-def _shown(store: Store, head: Head, place: int) -> dict[str, Any]:
-    """A file, and whether it can be shown as a picture or heard."""
-    item = head.files[place]
-    kind = item.media_type.partition("/")[0]
-    data = file_of(store, head, place) if kind in ("image", "audio") else None
-    shown = data is not None and len(data) <= LARGEST_SHOWN and safe_type(item.media_type, data) != NO_TYPE
-    return {"item": item, "url": f"/api/v1/recordings/{head.id}/files/{place}", "kind": kind if shown else "other"}
+@router.get("/{key}/files/{place}/spectrogram.png")
+def picture_of_file(store: StoreOf, head: SeenRecording, place: Place) -> Response:
+    """How loud a sound that was recorded as a file is at each pitch, over time."""
+    sound = sound_of_file(store, head, place)
+    if sound is None:
+        raise problem(404, f"recording {head.id}: there is no sound in file {place}")
+    return Response(spectrogram(sound), media_type="image/png")

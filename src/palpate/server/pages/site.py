@@ -8,6 +8,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
 from palpate.server.pages import (
+    bundles,
     comparing,
     devices,
     editing,
@@ -26,6 +27,7 @@ from palpate.server.pages.templates import STATIC
 __all__ = ["install"]
 
 PARTS = (
+    bundles,
     home,
     editing,
     objects,

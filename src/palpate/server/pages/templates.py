@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
+from secrets import token_urlsafe
 from typing import Any
 from urllib.parse import urlencode
 
@@ -16,12 +17,14 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from palpate import __version__
 from palpate.server.names import thing_address
+from palpate.server.pages.bundles import bokeh_address
 from palpate.server.plots.drawing import number
 from palpate.server.security.accounts import Account, Role
+from palpate.server.security.headers import policy
 from palpate.store.entries import Bound, Distribution, Entry, Interval, Value
 from palpate.store.records import ThingRef
 
-__all__ = ["STATIC", "error_page", "page"]
+__all__ = ["STATIC", "error_page", "page", "search"]
 
 STATIC = Path(__file__).parents[1] / "static"
 
@@ -31,9 +34,11 @@ def page(
 ) -> HTMLResponse:
     """A page from a template; ``path``, ``query`` and ``account`` tell each what was asked, and by whom."""
     account = getattr(request.state, "account", Account())
-    given = {"path": request.url.path, "query": dict(request.query_params), "account": account, **values}
-    given["may_upload"] = account.role >= Role.OWNER
-    return HTMLResponse(_environment().get_template(template).render(given), status, headers)
+    nonce = token_urlsafe(16)
+    told = {"path": request.url.path, "query": dict(request.query_params), "account": account, "nonce": nonce}
+    told["may_upload"] = account.role >= Role.OWNER
+    body = _environment().get_template(template).render({**told, **values})
+    return HTMLResponse(body, status, {"Content-Security-Policy": policy(nonce), **(headers or {})})
 
 
 def error_page(request: Request, status: int, title: str, detail: str, headers: Mapping[str, str]) -> HTMLResponse:
@@ -53,7 +58,7 @@ def _environment() -> Environment:
     found.filters |= {"number": number, "day": _day, "moment": _moment, "entry": entry_text, "plural": _plural}
     found.filters |= {"grasp": grasp_text}
     found.globals |= {"thing_url": _thing_url, "asset": _asset, "version": __version__, "with_query": _with_query}
-    found.globals |= {"search": _search, "now": _now}
+    found.globals |= {"search": search, "bokeh_address": bokeh_address, "now": _now}
     return found
 
 
@@ -125,7 +130,8 @@ def _thing_url(dataset: str, name: str) -> str:
     return f"/objects/{thing_address(ThingRef(dataset, name))}"
 
 
-def _search(path: str, **values: str) -> str:
+def search(path: str, **values: str) -> str:
+    """An address with what is asked of it."""
     return f"{path}?{urlencode(values)}"
 
 

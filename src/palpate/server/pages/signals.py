@@ -1,0 +1,98 @@
+"""What a recording's page shows of its signals: curves, squeezes and sounds, of series and of files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from palpate.server.api.downloads import NO_TYPE, safe_type
+from palpate.server.api.series import is_sound
+from palpate.server.pages.shown import Shown, shown
+from palpate.server.plots.curves import channel_plot
+from palpate.server.plots.sounds import sound_in
+from palpate.server.plots.squeezes import FoundSqueeze, held_by, squeeze_of, squeeze_plot, squeeze_words
+from palpate.store.parts import Head, file_of, series_of
+from palpate.store.records import Channel, Series
+from palpate.store.store import Store
+
+__all__ = ["Signals", "found_squeeze", "shown_file", "shown_signals", "sound_of_file"]
+
+MOST_PLOTS = 12
+"""Channels of a series that are drawn."""
+LARGEST_PLOTTED = 20_000_000
+"""Samples of a series that are read to be drawn."""
+LARGEST_SHOWN = 50 << 20
+LARGEST_SOUND = 20 << 20
+
+
+@dataclass(frozen=True)
+class Signals:
+    """What a page shows of a series; `without_unit` are names of channels."""
+
+    name: str
+    position: int
+    squeeze: Shown | None
+    words: str
+    plots: tuple[Shown, ...]
+    sounds: tuple[int, ...]
+    left_out: int
+    without_unit: tuple[str, ...]
+
+
+def shown_signals(store: Store, head: Head) -> Iterator[Signals]:
+    """All series of a recording."""
+    for position, info in enumerate(head.series):
+        if sum(channel["count"] for channel in info.channels) > LARGEST_PLOTTED:
+            yield Signals(info.name, position, None, "", (), (), len(info.channels), ())
+            continue
+        series = series_of(store, head, position)
+        if series is not None:
+            yield _drawn(head, series, position)
+
+
+def found_squeeze(head: Head, series: Series) -> FoundSqueeze | None:
+    """The squeeze in a series of a recording, if it is one."""
+    return squeeze_of(series, held_by(head.setup, head.document["grasp"]))
+
+
+def _drawn(head: Head, series: Series, position: int) -> Signals:
+    squeeze, address = found_squeeze(head, series), f"/recordings/{head.id}/series/{position}"
+    drawn = (
+        shown(channel_plot(channel), f"{address}/channels/{place}/plot.json")
+        for place, channel in enumerate(series.channels[:MOST_PLOTS])
+    )
+    plots = tuple(plot for plot in drawn if plot is not None)
+    return Signals(
+        name=series.name,
+        position=position,
+        squeeze=None if squeeze is None else shown(squeeze_plot(squeeze), f"{address}/squeeze.json"),
+        words="" if squeeze is None else squeeze_words(squeeze),
+        plots=plots,
+        sounds=tuple(place for place, channel in enumerate(series.channels) if is_sound(channel)),
+        left_out=len(series.channels) - len(plots),
+        without_unit=tuple(channel.name for channel in series.channels if channel.unit is None),
+    )
+
+
+def shown_file(store: Store, head: Head, place: int) -> dict[str, Any]:
+    """A file, and whether it can be shown as a picture or heard, and drawn as a sound."""
+    item = head.files[place]
+    kind = item.media_type.partition("/")[0]
+    data = file_of(store, head, place) if kind in ("image", "audio") else None
+    is_safe = data is not None and len(data) <= LARGEST_SHOWN and safe_type(item.media_type, data) != NO_TYPE
+    sound = sound_in(data) if data is not None and is_safe and kind == "audio" and len(data) <= LARGEST_SOUND else None
+    address = f"/recordings/{head.id}/files/{place}"
+    return {
+        "item": item,
+        "url": f"/api/v1/recordings/{head.id}/files/{place}",
+        "kind": kind if is_safe else "other",
+        "wave": None if sound is None else shown(channel_plot(sound), f"{address}/plot.json"),
+        "spectrogram": None if sound is None else f"{address}/spectrogram.png",
+    }
+
+
+def sound_of_file(store: Store, head: Head, place: int) -> Channel | None:
+    """The sound in a file; None where there is none."""
+    data = file_of(store, head, place)
+    return None if data is None or len(data) > LARGEST_SOUND else sound_in(data)

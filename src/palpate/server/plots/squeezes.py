@@ -1,0 +1,166 @@
+"""A squeeze: stress over strain with the fitted line; where the contact area is not known, force over the gap."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from palpate.estimators.hinge import Hinge, fit_hinge
+from palpate.estimators.signals import SignalError
+from palpate.estimators.squeezing import Jaws, squeeze
+from palpate.outcomes import Failed
+from palpate.server.plots.drawing import number
+from palpate.server.plots.plot import Curve, Look, Numbers, Plot
+from palpate.store.records import Series, Setup
+
+__all__ = ["FoundSqueeze", "Held", "held_by", "squeeze_of", "squeeze_plot", "squeeze_words"]
+
+GAP_SD_MM = 0.1
+"""Of the jaws of a gripper, where nothing more is known."""
+STEPS = ("gap_step_mm", "count_mm")
+"""Parameters of a gripper that tell in which steps its position comes."""
+
+
+@dataclass(frozen=True)
+class Held:
+    """What a recording tells of how an object was held; None where it does not."""
+
+    area_mm2: float | None = None
+    width_mm: float | None = None
+    gap_sd_mm: float = GAP_SD_MM
+
+
+def held_by(setup: Setup, grasp: object) -> Held:
+    """From the grasp of a recording, and the parameters of its gripper.
+
+    Examples
+    --------
+    >>> held_by(Setup(), {"contact_area_mm2": 500.0, "rest_width_mm": 40.0})
+    Held(area_mm2=500.0, width_mm=40.0, gap_sd_mm=0.1)
+    """
+    told: Mapping[str, Any] = grasp if isinstance(grasp, Mapping) else {}
+    gripper: Mapping[str, Any] = {} if setup.gripper is None else setup.gripper.parameters
+    area = _positive(told.get("contact_area_mm2")) or _positive(gripper.get("contact_area_mm2"))
+    step = next((found for name in STEPS if (found := _positive(gripper.get(name)))), None)
+    return Held(area, _positive(told.get("rest_width_mm")), GAP_SD_MM if step is None else step / 12**0.5)
+
+
+def _positive(value: object) -> float | None:
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return float(value) if is_number and 0 < value < np.inf else None  # type: ignore[arg-type,operator]
+
+
+@dataclass(frozen=True)
+class FoundSqueeze:
+    """Gap [mm] and force [N] of a squeeze, (n), and the line through them.
+
+    Attributes
+    ----------
+    hinge
+        None where no line could be fitted.
+    held
+        What is known of area and width.
+    flaw
+        Why there is no line, or why it is not trusted; empty where it is.
+    """
+
+    gap_mm: Numbers
+    force_n: Numbers
+    hinge: Hinge | None
+    held: Held
+    flaw: str = ""
+
+    @property
+    def width_mm(self) -> float | None:
+        """At rest: as it is known, or else the gap at contact."""
+        return self.held.width_mm or (None if self.hinge is None else self.hinge.contact)
+
+    @property
+    def indentation_mm(self) -> Numbers | None:
+        """How far the jaws are beyond the contact [mm], (n)."""
+        return None if self.hinge is None else self.hinge.contact - self.gap_mm
+
+    @property
+    def added_n(self) -> Numbers:
+        """Force beyond that of the empty jaws [N], (n)."""
+        return self.force_n - (0.0 if self.hinge is None else self.hinge.idle_force)
+
+    @property
+    def is_stress(self) -> bool:
+        """Whether stress and strain can be told."""
+        return self.held.area_mm2 is not None and self.hinge is not None and (self.width_mm or 0.0) > 0
+
+    @property
+    def modulus_kpa(self) -> float | None:
+        """The slope of stress over strain [kPa]."""
+        if not self.is_stress or self.hinge is None or self.held.area_mm2 is None or self.width_mm is None:
+            return None
+        return 1e3 * self.hinge.slope * self.width_mm / self.held.area_mm2
+
+
+def squeeze_of(series: Series, held: Held) -> FoundSqueeze | None:
+    """Force over the gap, where a series has one channel in mm and one in N that were sampled together."""
+    gaps = [one for one in series.channels if one.unit == "mm" and one.values.ndim == 1]
+    forces = [one for one in series.channels if one.unit == "N" and one.values.ndim == 1]
+    if len(gaps) != 1 or len(forces) != 1 or len(gaps[0].values) != len(forces[0].values):
+        return None
+    gap, force = (np.asarray(one[0].values, dtype=np.float64) for one in (gaps, forces))
+    if not (len(gap) and np.isfinite(gap).all() and np.isfinite(force).all()):
+        return None
+    if held.area_mm2 is not None:
+        found = squeeze(gap, force, Jaws(held.area_mm2, held.width_mm, gap_sd_mm=held.gap_sd_mm))
+        flaw = found.outcome.reason if isinstance(found.outcome, Failed) else ""
+        if found.hinge is not None:
+            return FoundSqueeze(gap, force, found.hinge, held, flaw)
+        return FoundSqueeze(gap, force, None, held, flaw or "the jaws rest on it while the force grows")
+    end = int(np.argmin(gap)) + 1
+    try:
+        hinge = fit_hinge(gap[:end], force[:end], gap_sd=held.gap_sd_mm, force_sd=None)
+    except (SignalError, ValueError, np.linalg.LinAlgError) as error:
+        return FoundSqueeze(gap, force, None, held, str(error))
+    return FoundSqueeze(gap, force, hinge, held)
+
+
+def squeeze_plot(found: FoundSqueeze) -> Plot:
+    """Stress over strain, or force over the gap, with the fitted line."""
+    if found.is_stress and found.hinge is not None and found.indentation_mm is not None:
+        return _stress_plot(found, found.hinge, found.indentation_mm)
+    curves, note = [Curve(found.gap_mm, found.force_n, "measured")], ""
+    if found.hinge is not None:
+        knots = np.array([found.gap_mm.max(), found.hinge.contact, found.gap_mm.min()])
+        curves.append(Curve(knots, found.hinge.at(knots), "fitted line", look=Look.FITTED))
+        note = f"fitted: {number(found.hinge.slope)} N/mm from contact at {number(found.hinge.contact)} mm"
+    return Plot("force [N] over the gap of the jaws [mm]", "gap [mm]", "force [N]", tuple(curves), note=note)
+
+
+def _stress_plot(found: FoundSqueeze, hinge: Hinge, indentation_mm: Numbers) -> Plot:
+    area_mm2, width_mm = found.held.area_mm2 or 1.0, found.width_mm or 1.0
+    strain, stress_kpa = indentation_mm / width_mm, 1e3 * found.added_n / area_mm2
+    knots = np.array([strain.min(), 0.0, strain.max()])
+    modulus = found.modulus_kpa or 0.0
+    fitted = Curve(knots, modulus * np.maximum(0.0, knots), "fitted line", look=Look.FITTED)
+    return Plot(
+        "stress [kPa] over strain, from contact on",
+        "strain (shortened by, over the width at rest)",
+        "stress [kPa]",
+        (Curve(strain, stress_kpa, "measured"), fitted),
+        note=f"fitted: {number(modulus)} kPa from contact at {number(hinge.contact)} mm",
+    )
+
+
+def squeeze_words(found: FoundSqueeze) -> str:
+    """What was taken for known; or why it is force over the gap that is drawn."""
+    if found.is_stress:
+        width = found.width_mm or 0.0
+        known = "as it is known" if found.held.width_mm else "the gap at contact, as no width is told"
+        told = f"Contact area {number(found.held.area_mm2 or 0.0)} mm², width at rest {number(width)} mm ({known})."
+        return f"{told} No result: {found.flaw}." if found.flaw else told
+    if found.held.area_mm2 is None:
+        return (
+            "Stress needs the contact area, of which the recording tells nothing (contact_area_mm2 in its grasp, or "
+            "among the parameters of its gripper)."
+        )
+    return f"No line could be fitted: {found.flaw}."

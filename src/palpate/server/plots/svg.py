@@ -1,0 +1,95 @@
+"""A plot as a picture that stands in a page, so that it is there without JavaScript and in print."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from markupsafe import Markup
+
+from palpate.server.plots.drawing import COLOURS, Drawing
+from palpate.server.plots.plot import Curve, Look, Numbers, Plot, Point, thinned
+from palpate.server.plots.scale import Scale, spanning
+
+__all__ = ["HEIGHT", "LEFT", "LEFT_OF_ROWS", "short", "svg"]
+
+WIDTH, RIGHT, BOTTOM = 760.0, 16.0, 44.0
+LEFT, TOP, HEIGHT = 64.0, 26.0, 180.0
+LEFT_OF_ROWS, TOP_OF_ROWS = 190.0, 12.0
+STRETCHES = 500
+
+
+def svg(plot: Plot) -> Markup:
+    """Draw a plot."""
+    return _in_rows(plot) if plot.rows else _curves(plot)
+
+
+def _curves(plot: Plot) -> Markup:
+    bottom = TOP + HEIGHT
+    drawing = Drawing(WIDTH, bottom + BOTTOM, plot.title)
+    across = spanning(plot.ends_across(), LEFT, WIDTH - RIGHT, room=0.02)
+    up = spanning(plot.ends_up(), bottom, TOP)
+    drawing.across_axis(across, TOP, bottom, plot.across)
+    drawing.up_axis(up, LEFT, WIDTH - RIGHT, plot.up or "")
+    _lines(drawing, plot, across, up)
+    if plot.note:
+        drawing.text(WIDTH - RIGHT, TOP - 8, plot.note, "label", "end")
+    return drawing.markup()
+
+
+def _in_rows(plot: Plot) -> Markup:
+    height = plot.rows[-1].bottom
+    bottom = TOP_OF_ROWS + height
+    drawing = Drawing(WIDTH, bottom + BOTTOM, plot.title)
+    across = spanning(plot.ends_across(), LEFT_OF_ROWS, WIDTH - RIGHT)
+    down = Scale(0.0, height, TOP_OF_ROWS, bottom)
+    drawing.across_axis(across, TOP_OF_ROWS, bottom, plot.across)
+    for row in plot.rows:
+        middle = down.at((row.top + row.bottom) / 2)
+        drawing.text(LEFT_OF_ROWS - 10, middle + (0 if row.note else 4), row.name, "name", "end")
+        if row.note:
+            drawing.text(LEFT_OF_ROWS - 10, middle + 13, row.note, "tick", "end")
+        drawing.line(LEFT_OF_ROWS, down.at(row.bottom), WIDTH - RIGHT, down.at(row.bottom), "grid")
+    for point in plot.points:
+        _point(drawing, point, across, down)
+    _lines(drawing, plot, across, down)
+    for level in plot.levels:
+        drawing.line(across.at(level.x), TOP_OF_ROWS, across.at(level.x), bottom, "truth")
+        if level.label:
+            drawing.text(across.at(level.x) + 4, TOP_OF_ROWS + 8, level.label, "truth-label")
+    return drawing.markup()
+
+
+def _point(drawing: Drawing, point: Point, across: Scale, down: Scale) -> None:
+    kind, y = f"c{point.colour % COLOURS}", down.at(point.y)
+    if point.high > point.low:
+        drawing.line(across.at(point.low), y, across.at(point.high), y, f"bar {kind}")
+    drawing.dot(across.at(point.x), y, kind, point.told, point.link)
+
+
+def _lines(drawing: Drawing, plot: Plot, across: Scale, up: Scale) -> None:
+    for curve in plot.curves:
+        kind = curve.look.value if curve.look is Look.FITTED else f"{curve.look.value} c{curve.colour % COLOURS}"
+        for x, y in _pieces(curve):
+            drawing.curve(((across.at(a), up.at(b)) for a, b in zip(x.tolist(), y.tolist(), strict=True)), kind)
+
+
+def _pieces(curve: Curve) -> Iterator[tuple[Numbers, Numbers]]:
+    """A curve without its missing samples: a gap is a gap."""
+    x, y = thinned(curve.x, curve.y, STRETCHES)
+    there = np.isfinite(y) & np.isfinite(x)
+    cuts = np.flatnonzero(np.diff(there.astype(np.int8))) + 1
+    for a, b, fine in zip(np.split(x, cuts), np.split(y, cuts), np.split(there, cuts), strict=True):
+        if len(fine) and fine[0]:
+            yield a, b
+
+
+def short(name: str, most: int = 26) -> str:
+    """A name that fits at the left of a row.
+
+    Examples
+    --------
+    >>> short("a gripper with a name that is long")
+    'a gripper with a name tha…'
+    """
+    return name if len(name) <= most else name[: most - 1] + "…"
