@@ -16,6 +16,8 @@ from palpate.store.keeping_episodes import put_episode
 from palpate.store.merging import merge_things
 from palpate.store.records import Channel, Device, FileItem, Recording, Series, Setup, ThingRef
 from palpate.store.store import Store
+from palpate.store.viewing import Viewer
+from palpate.store.visible_setups import seen_devices
 from tests.server.conftest import KEY
 from tests.server.test_corrections import OPERATIONS
 from tests.server.test_sharing import OPERATIONS as SHARING
@@ -45,6 +47,7 @@ class World:
     recordings: dict[str, Recording]
     episodes: dict[str, Any]
     setups: dict[str, str]
+    devices: dict[str, str]
     headers: dict[str, dict[str, str]]
 
     def addresses(self, visibility: str) -> Iterator[str]:
@@ -61,6 +64,9 @@ class World:
         thing = thing_address(recording.thing)
         yield from (f"{API}/objects/{thing}", f"{API}/objects/{thing}/images/0", f"/objects/{thing}")
         yield f"/objects/{thing}/plot.json?property=mass"
+        yield f"/compare/curves.json?recording={recording.id}"
+        device = self.devices[visibility]
+        yield from (f"/devices/{device}", f"/devices/{device}/errors.json?property=mass")
         yield from (f"{API}/setups/{recording.setup.digest}", f"/setups/{recording.setup.digest}")
         yield from (f"{API}/episodes/{self.episodes[visibility].id}", f"/episodes/{self.episodes[visibility].id}")
 
@@ -74,6 +80,11 @@ LISTS = [
     "/recordings",
     "/devices",
     "/compare?property=mass",
+    "/compare?property=mass&object=lab/marker-shared",
+    "/compare/plot.json?property=mass",
+    "/benchmark",
+    "/benchmark/errors.csv",
+    "/benchmark/errors.json",
     "/compare/table.csv?property=mass",
     "/episodes",
     "/objects/lab/marker-shared",
@@ -112,12 +123,15 @@ def world(store: Store) -> World:
         change_thing(store, recording.thing, lambda thing, image=image: thing.showing(image))  # type: ignore[misc]
         # an object that all see, and of which each sees the parts that they may
         merge_things(store, recording.thing, shared.thing)
+    change_thing(store, shared.thing, lambda thing: thing.knowing(Value("mass", 4.0, unit="g"), "a scale"))
     headers = {"anonymous": {}, "host": {"Cookie": f'palpate-key="{KEY}"', "Origin": "http://testserver"}}
     for name, role in ROLES.items():
         add_user(store, name, role)
         headers[name] = {"Authorization": f"Bearer {issue(store, name)}"}
     setups = {name: one.setup.digest for name, one in recordings.items()}
-    return World(store, recordings, episodes, setups, headers)
+    grippers = {one.device.name: one.digest for one in seen_devices(store, Viewer(everything=True))}
+    devices = {name: grippers[f"marker-{name}-gripper"] for name in VISIBILITIES}
+    return World(store, recordings, episodes, setups, devices, headers)
 
 
 @pytest.mark.parametrize("person", PEOPLE)
@@ -207,6 +221,29 @@ def test_what_is_known_in_private_does_not_show_in_a_filter(client: TestClient, 
     ):
         assert client.get(address).json()["items"] == []
         assert client.get(address, headers=world.headers["ann"]).json()["items"]
+
+
+def test_beliefs_and_overlays_hold_only_what_may_be_seen(client: TestClient, store: Store) -> None:
+    """Of explorations of one object, and of recordings asked for together, those that one sees, and no trace else."""
+    cup, ids = ThingRef("lab", "cup"), []
+    for number, visibility in enumerate(("public", "private")):
+        gripper = Device("gripper", f"marker-{visibility}")
+        one = squeeze(number, visibility=visibility, owner="ann", thing=cup, setup=Setup(gripper=gripper))
+        ids.append(store.put(one).id)
+        step = {"step": 1, "action": "weighing", "belief": {f"marker-{visibility}": {"probabilities": {"foam": 1.0}}}}
+        put_episode(store, made_episode(number=number, visibility=visibility, owner="ann", thing=cup).continued(step))
+    add_user(store, "ann", Role.OWNER)
+    ann = {"Authorization": f"Bearer {issue(store, 'ann')}"}
+    both = "&".join(f"recording={one}" for one in ids)
+    for headers, sees_all in (({}, False), (ann, True)):
+        page = client.get("/objects/lab/cup", headers=headers).text
+        assert "Marker-public, as believed" in page
+        assert ("marker-private" in page.lower()) == sees_all
+        for address in ("/objects/lab/cup/beliefs.json?property=marker-private", f"/recordings/{ids[1]}"):
+            assert client.get(address, headers=headers).status_code == (200 if sees_all else 404)
+        curves = client.get(f"/compare/curves.json?{both}", headers=headers).text
+        assert "marker-public" in curves
+        assert ("marker-private" in curves) == sees_all
 
 
 def test_no_address_was_forgotten(client: TestClient, world: World) -> None:

@@ -12,7 +12,9 @@ from hypothesis import strategies as st
 
 from palpate.robots.signal_files import wav
 from palpate.server.plots.curves import channel_plot
+from palpate.server.plots.final_beliefs import beliefs_plot
 from palpate.server.plots.interactive import figure_json
+from palpate.server.plots.overlays import Laid, overlay
 from palpate.server.plots.plot import Plot
 from palpate.server.plots.points import points_plot
 from palpate.server.plots.scale import spanning
@@ -20,6 +22,7 @@ from palpate.server.plots.sounds import sound_in
 from palpate.server.plots.spectrogram import spectrogram
 from palpate.server.plots.squeezes import Held, held_by, squeeze_of, squeeze_plot, squeeze_words
 from palpate.server.plots.svg import svg
+from palpate.store.final_beliefs import FinalBelief
 from palpate.store.records import Channel, Device, Series, Setup
 from palpate.store.visible_results import Result
 from tests.store.made_up import START
@@ -134,6 +137,12 @@ def test_a_squeeze_of_nothing_says_why_there_is_no_line() -> None:
     assert found is not None
     assert found.flaw
     assert found.flaw in squeeze_words(found)
+    # a wall: the gap stays while the force grows
+    gap, force = np.r_[np.linspace(50, 40, 60), np.full(40, 40.0)], np.r_[np.zeros(60), np.linspace(0, 30, 40)]
+    wall = Series("gripper", (Channel("gap", "length", "mm", gap), Channel("force", "force", "N", force)))
+    found = squeeze_of(wall, Held(area_mm2=600.0))
+    assert found is not None
+    assert "above 95 kPa" in squeeze_words(found)
     assert held_by(Setup(), {"contact_area_mm2": "much", "rest_width_mm": True}) == Held()
 
 
@@ -231,3 +240,59 @@ def test_points_are_where_their_values_are() -> None:
     assert list(source["x"]) == [10.0, 14.0, 20.0]
     assert list(source["high"]) == [12.0, 16.0, 22.0]
     assert points_plot("mass", [], [(15.0, "scale")]) is None
+
+
+def test_squeezes_are_laid_over_each_other_from_contact_on() -> None:
+    """Springs of one stiffness that begin at 40 and at 55 mm: both curves rise from 0; without an area it is force."""
+    held = Held(area_mm2=600.0)
+    laid = [
+        Laid(f"at {width}", place, squeeze_of(spring(width, 1.5), held), None) for place, width in enumerate((40, 55))
+    ]
+    found = overlay(laid)
+    assert found.plot is not None
+    assert (found.plot.across, found.plot.up) == ("strain", "stress [kPa]")
+    for curve, width in zip(found.plot.curves, (40, 55), strict=True):
+        assert np.interp(4 / width, curve.x, curve.y) == pytest.approx(1e3 * 1.5 * 4 / 600, rel=0.04)
+        assert abs(curve.y[curve.x < -0.02]).max() < 0.2
+    unknown = Laid("other", 2, squeeze_of(spring(30.0, 1.5), Held()), None)
+    sound = Laid("sound", 3, None, channel_plot(Channel("sound", "sound", None, np.zeros(9))))
+    found = overlay([*laid, unknown, sound])
+    assert found.plot is not None
+    assert found.plot.up == "force [N]"
+    assert len(found.plot.curves) == 3
+    assert found.left_out == ("sound",)
+    assert "contact area is not known of all" in found.words
+
+
+def test_signals_are_laid_over_each_other_where_their_units_agree() -> None:
+    """Grams and grams, but not newtons; nothing where there is no curve."""
+    plots = [channel_plot(Channel("load", "load", unit, np.arange(5.0), rate_hz=10.0)) for unit in ("g", "N", "g")]
+    found = overlay([Laid(name, place, None, plots[place]) for place, name in enumerate("abc")])
+    assert found.plot is not None
+    assert [curve.name for curve in found.plot.curves] == ["a", "c"]
+    assert found.left_out == ("b",)
+    assert overlay([Laid("a", 0, None, None)]).plot is None
+
+
+def believed(**belief: object) -> FinalBelief:
+    return FinalBelief(uuid4(), START, 3, belief)  # type: ignore[arg-type]
+
+
+def test_final_beliefs_stand_against_what_is_known() -> None:
+    """A number with the stretch of nine tenths; the probability of the known label; nothing of what cannot be read."""
+    mass = {"unit": "g", "mean": 66.0, "quantiles": {"0.05": 60.0, "0.5": 65.0, "0.95": 75.0}}
+    material = {"probabilities": {"foam": 0.7, "wood": 0.3}}
+    found = [believed(mass=mass, material=material), believed(mass={"unit": "g", "mean": "heavy"})]
+    plot = beliefs_plot("mass", found, [(64.0, "scale")], None)
+    assert plot is not None
+    (point,) = plot.points
+    assert (point.low, point.x, point.high) == (60.0, 66.0, 75.0)
+    assert plot.levels[0].x == 64.0
+    plot = beliefs_plot("material", found, [], "wood")
+    assert plot is not None
+    assert plot.points[0].x == pytest.approx(0.3)
+    assert "foam with 70.0%" in plot.points[0].told
+    assert plot.levels[0].x == 1.0
+    assert beliefs_plot("volume", found, [], None) is None
+    # kilograms and grams cannot stand beside each other
+    assert beliefs_plot("mass", [*found, believed(mass={**mass, "unit": "kg"})], [], None) is None

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from math import sqrt
 from statistics import fmean, stdev
+
+from scipy.special import stdtrit
 
 from palpate.network.units import unit_of
 from palpate.store.entries import Value
@@ -16,7 +19,7 @@ from palpate.store.viewing import Viewer
 from palpate.store.visible_results import Group, groups_of_property
 from palpate.store.visible_things import things_by_name
 
-__all__ = ["Agreement", "Cell", "DeviceError", "agreements"]
+__all__ = ["Agreement", "Cell", "DeviceError", "Difference", "agreements", "interval"]
 
 ThingKey = tuple[str, str]
 
@@ -34,6 +37,11 @@ class Cell:
     truth: float | None
 
     @property
+    def key(self) -> ThingKey:
+        """The object."""
+        return self.dataset, self.thing
+
+    @property
     def error(self) -> float | None:
         """How far the mean is from the truth."""
         return None if self.truth is None else self.mean - self.truth
@@ -41,13 +49,54 @@ class Cell:
 
 @dataclass(frozen=True)
 class DeviceError:
-    """Errors of one device over the objects of which the truth is known: mean (bias) and root mean square; counts."""
+    """Errors of one device over the objects of which the truth is known, each object once.
+
+    Values of one object are not independent of each other, so that it is the objects that are counted.
+
+    Attributes
+    ----------
+    objects, values
+        That it measured.
+    known
+        Objects of them of which the truth is known.
+    bias, sd, rms
+        Mean, SD (n - 1) and root mean square of the errors of these.
+    interval
+        Where the bias lies with 95 % confidence, by Student's t; None below two objects.
+    """
 
     device: str
     objects: int
     values: int
+    known: int
     bias: float | None
+    sd: float | None
     rms: float | None
+    interval: tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How much more one device measures than another one of the objects that both measured, each object once.
+
+    Attributes
+    ----------
+    objects
+        That both measured.
+    first_values, second_values
+        How many values of these each has.
+    mean, sd, interval
+        As of `DeviceError`, of the differences of their means.
+    """
+
+    first: str
+    second: str
+    objects: int
+    first_values: int
+    second_values: int
+    mean: float
+    sd: float | None
+    interval: tuple[float, float] | None
 
 
 @dataclass(frozen=True)
@@ -63,6 +112,40 @@ class Agreement:
         """SD (n - 1) of the means of the devices that measured an object; None where it was one."""
         means = [cell.mean for cell in self.cells if (cell.dataset, cell.thing) == (dataset, thing)]
         return stdev(means) if len(means) > 1 else None
+
+    def differences(self) -> tuple[Difference, ...]:
+        """Each pair of devices that measured an object both."""
+        pairs = combinations([one.device for one in self.devices], 2)
+        found = (_difference(first, second, self.cells) for first, second in pairs)
+        return tuple(one for one in found if one is not None)
+
+
+def interval(values: Sequence[float]) -> tuple[float, float] | None:
+    """Where the mean that values are drawn about lies with 95 % confidence; None where there is one value.
+
+    Examples
+    --------
+    >>> [round(end, 2) for end in interval([1.0, 2.0, 3.0])]
+    [-0.48, 4.48]
+    """
+    if len(values) < 2:
+        return None
+    half = float(stdtrit(len(values) - 1, 0.975)) * stdev(values) / sqrt(len(values))
+    return fmean(values) - half, fmean(values) + half
+
+
+def _difference(first: str, second: str, cells: Sequence[Cell]) -> Difference | None:
+    ours, theirs = ({cell.key: cell for cell in cells if cell.device == name} for name in (first, second))
+    both = [key for key in ours if key in theirs]
+    if not both:
+        return None
+    offs = [ours[key].mean - theirs[key].mean for key in both]
+    first_values, second_values = (sum(of[key].count for key in both) for of in (ours, theirs))
+    return Difference(first, second, len(both), first_values, second_values, fmean(offs), _sd(offs), interval(offs))
+
+
+def _sd(values: Sequence[float]) -> float | None:
+    return stdev(values) if len(values) > 1 else None
 
 
 def agreements(store: Store, viewer: Viewer, property: str) -> Agreement:
@@ -99,7 +182,8 @@ def _errors(device: str, cells: Sequence[Cell]) -> DeviceError:
     errors = [cell.error for cell in own if cell.error is not None]
     bias = fmean(errors) if errors else None
     rms = sqrt(fmean(error**2 for error in errors)) if errors else None
-    return DeviceError(device, len(own), sum(cell.count for cell in own), bias, rms)
+    values = sum(cell.count for cell in own)
+    return DeviceError(device, len(own), values, len(errors), bias, _sd(errors), rms, interval(errors))
 
 
 def _truths(

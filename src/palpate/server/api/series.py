@@ -27,7 +27,7 @@ from palpate.store.store import Store
 if TYPE_CHECKING:
     import pyarrow
 
-__all__ = ["is_sound", "router"]
+__all__ = ["cell_text", "is_sound", "router"]
 
 router = APIRouter(prefix="/recordings/{key}/series", tags=["series"])
 LARGEST_VALUES = 2_000_000
@@ -136,11 +136,13 @@ def _csv_lines(series: Series) -> Iterator[str]:
         writer = csv.writer(lines)
         for index, sample in enumerate(flat.tolist()):
             time_s = "" if times is None else repr(float(times[index]))
-            writer.writerows((_cell(channel.name), _cell(channel.unit or ""), index, time_s, value) for value in sample)
+            writer.writerows(
+                (cell_text(channel.name), cell_text(channel.unit or ""), index, time_s, value) for value in sample
+            )
         yield lines.getvalue()
 
 
-def _cell(text: str) -> str:
+def cell_text(text: str) -> str:
     """Text that no spreadsheet takes for a formula."""
     return f"'{text}" if text[:1] in tuple("=+-@\t\r") else text
 

@@ -5,18 +5,26 @@ from __future__ import annotations
 import csv
 import io
 from typing import Annotated
+from uuid import UUID
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
 from palpate.server.api.parameters import StoreOf
 from palpate.server.api.queries import Text
+from palpate.server.api.series import cell_text
 from palpate.server.benchmark import Agreement, agreements
+from palpate.server.pages.overlays import Choice, choices_of, laid_over
 from palpate.server.pages.shown import Dark, figure, shown
 from palpate.server.pages.templates import page, search
+from palpate.server.plots.drawing import COLOURS
 from palpate.server.plots.errors import errors_plot
 from palpate.server.security.who import Who
+from palpate.store.records import ThingRef
+from palpate.store.store import Store
+from palpate.store.viewing import Viewer
+from palpate.store.visible_results import results_of
 from palpate.store.visible_setups import seen_properties
 
 __all__ = ["router"]
@@ -25,21 +33,43 @@ router = APIRouter(prefix="/compare")
 
 
 class Asked(BaseModel):
-    """Which property."""
+    """Which property; which object, as data set and name with a slash between; which recordings of it."""
 
     model_config = ConfigDict(extra="forbid")
 
     property: Text | None = None
+    object: Text | None = None
+    recording: list[UUID] = Field([], max_length=COLOURS)
 
 
 @router.get("")
 def compare(request: Request, store: StoreOf, who: Who, asked: Annotated[Asked, Query()]) -> HTMLResponse:
-    """Compare what measured one property."""
+    """Compare what measured one property, of all objects or of one."""
     names = [one.name for one in seen_properties(store, who.viewer) if one.unit is not None]
     name = asked.property or next(iter(names), None)
     found = None if name is None else agreements(store, who.viewer, name)
-    plot = None if found is None else shown(errors_plot(found), search("/compare/plot.json", property=name or ""))
-    return page(request, "compare.html", names=names, name=name, found=found, plot=plot)
+    things = {} if found is None else {"/".join(cell.key): cell.key for cell in found.cells}
+    thing = things.get(asked.object or "")
+    choices = [] if thing is None or name is None else _choices(store, who.viewer, thing, name, asked.recording)
+    chosen = sorted((one for one in choices if one.colour is not None), key=lambda one: one.colour or 0)
+    laid = laid_over(store, who.viewer, [one.recording for one in chosen]) if chosen else None
+    return page(
+        request,
+        "compare.html",
+        names=names,
+        name=name,
+        found=found,
+        things=sorted(things),
+        thing=thing,
+        choices=choices,
+        laid=laid,
+        plot=None if found is None else shown(errors_plot(found), search("/compare/plot.json", property=name or "")),
+    )
+
+
+def _choices(store: Store, viewer: Viewer, thing: tuple[str, str], name: str, chosen: list[UUID]) -> list[Choice]:
+    own = [one for one in results_of(store, viewer, ThingRef(*thing)) if one.property == name]
+    return choices_of(own, chosen)
 
 
 @router.get("/plot.json")
@@ -49,11 +79,10 @@ def plot(store: StoreOf, who: Who, property: Text, dark: Dark = False) -> Respon
 
 
 @router.get("/table.csv")
-def table(store: StoreOf, who: Who, asked: Annotated[Asked, Query()]) -> Response:
+def table(store: StoreOf, who: Who, property: Text = "") -> Response:
     """The table of a comparison as CSV, a row for each device and object."""
-    found = agreements(store, who.viewer, asked.property or "")
     headers = {"Content-Disposition": 'attachment; filename="comparison.csv"'}
-    return Response(_csv(found), 200, headers, "text/csv")
+    return Response(_csv(agreements(store, who.viewer, property)), 200, headers, "text/csv")
 
 
 def _csv(found: Agreement) -> str:
@@ -61,8 +90,6 @@ def _csv(found: Agreement) -> str:
     writer = csv.writer(lines)
     writer.writerow(("device", "dataset", "object", "unit", "count", "mean", "sd", "true_value", "error"))
     for cell in found.cells:
-        names = (
-            f"'{text}" if text[:1] in tuple("=+-@\t\r") else text for text in (cell.device, cell.dataset, cell.thing)
-        )
+        names = map(cell_text, (cell.device, cell.dataset, cell.thing))
         writer.writerow((*names, found.unit, cell.count, cell.mean, cell.sd, cell.truth, cell.error))
     return lines.getvalue()

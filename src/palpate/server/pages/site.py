@@ -8,6 +8,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
 from palpate.server.pages import (
+    benchmarking,
     bundles,
     comparing,
     devices,
@@ -17,6 +18,7 @@ from palpate.server.pages import (
     home,
     live,
     objects,
+    overlays,
     recordings,
     sessions,
     sharing,
@@ -28,6 +30,8 @@ __all__ = ["install"]
 
 PARTS = (
     bundles,
+    benchmarking,
+    overlays,
     home,
     editing,
     objects,

@@ -56,7 +56,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     found.filters |= {"number": number, "day": _day, "moment": _moment, "entry": entry_text, "plural": _plural}
-    found.filters |= {"grasp": grasp_text}
+    found.filters |= {"grasp": grasp_text, "maybe": _maybe}
     found.globals |= {"thing_url": _thing_url, "asset": _asset, "version": __version__, "with_query": _with_query}
     found.globals |= {"search": search, "bokeh_address": bokeh_address, "now": _now}
     return found
@@ -112,6 +112,10 @@ def _unit(unit: str | None) -> str:
 
 def _now() -> datetime:
     return datetime.now(UTC)
+
+
+def _maybe(value: float | None) -> str:
+    return "\N{EN DASH}" if value is None else number(value)
 
 
 def _day(at: datetime) -> str:

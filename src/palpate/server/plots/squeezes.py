@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from palpate.estimators.hinge import Hinge, fit_hinge
 from palpate.estimators.signals import SignalError
 from palpate.estimators.squeezing import Jaws, squeeze
-from palpate.outcomes import Failed
+from palpate.outcomes import Above, Failed
 from palpate.server.plots.drawing import number
 from palpate.server.plots.plot import Curve, Look, Numbers, Plot
 from palpate.store.records import Series, Setup
@@ -20,6 +20,8 @@ __all__ = ["FoundSqueeze", "Held", "held_by", "squeeze_of", "squeeze_plot", "squ
 
 GAP_SD_MM = 0.1
 """Of the jaws of a gripper, where nothing more is known."""
+LIMIT_KPA, DRAWN_KPA = Jaws(1.0).limit_kpa, 1e5
+"""What a gripper can tell at most; a line is drawn also above it."""
 STEPS = ("gap_step_mm", "count_mm")
 """Parameters of a gripper that tell in which steps its position comes."""
 
@@ -111,17 +113,25 @@ def squeeze_of(series: Series, held: Held) -> FoundSqueeze | None:
     if not (len(gap) and np.isfinite(gap).all() and np.isfinite(force).all()):
         return None
     if held.area_mm2 is not None:
-        found = squeeze(gap, force, Jaws(held.area_mm2, held.width_mm, gap_sd_mm=held.gap_sd_mm))
-        flaw = found.outcome.reason if isinstance(found.outcome, Failed) else ""
-        if found.hinge is not None:
-            return FoundSqueeze(gap, force, found.hinge, held, flaw)
-        return FoundSqueeze(gap, force, None, held, flaw or "the jaws rest on it while the force grows")
+        return _estimated(gap, force, held, held.area_mm2)
     end = int(np.argmin(gap)) + 1
     try:
         hinge = fit_hinge(gap[:end], force[:end], gap_sd=held.gap_sd_mm, force_sd=None)
     except (SignalError, ValueError, np.linalg.LinAlgError) as error:
         return FoundSqueeze(gap, force, None, held, str(error))
     return FoundSqueeze(gap, force, hinge, held)
+
+
+def _estimated(gap: Numbers, force: Numbers, held: Held, area_mm2: float) -> FoundSqueeze:
+    """By the estimator, with the line also where the modulus is above what grippers can tell."""
+    jaws = Jaws(area_mm2, held.width_mm, limit_kpa=DRAWN_KPA, gap_sd_mm=held.gap_sd_mm)
+    found = squeeze(gap, force, jaws)
+    if not isinstance(found.outcome, Failed):
+        return FoundSqueeze(gap, force, found.hinge, held)
+    if isinstance(squeeze(gap, force, replace(jaws, limit_kpa=LIMIT_KPA)).outcome, Above):
+        stiff = f"it is above {LIMIT_KPA:g} kPa, and the jaws rest on it while the force grows"
+        return FoundSqueeze(gap, force, None, held, stiff)
+    return FoundSqueeze(gap, force, found.hinge, held, found.outcome.reason)
 
 
 def squeeze_plot(found: FoundSqueeze) -> Plot:
