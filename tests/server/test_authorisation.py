@@ -203,6 +203,22 @@ def test_only_what_one_sees_is_known(client: TestClient, world: World, person: s
         assert {by_digest[digest] for digest in found.json()["known"]} == SEEN[person]
 
 
+@pytest.mark.parametrize("person", PEOPLE)
+def test_who_goes_on_with_an_exploration(client: TestClient, world: World, person: str) -> None:
+    """Whose it is, and administrators; to whom may not see it, it is not there, whatever they send."""
+    theirs = ("ann", "admin", "host")
+    for visibility, episode in world.episodes.items():
+        line = {"record": {"stop": f"enough for {person}"}}
+        found = client.put(f"{API}/episodes/{episode.id}/lines/2", json=line, headers=world.headers[person])
+        seen = 403 if visibility in SEEN[person] else 404
+        # the made-up exploration has no belief to show
+        expected = {"anonymous": 401, "reader": 403}.get(person, 422 if person in theirs else seen)
+        assert found.status_code == expected, (person, visibility, found.text)
+        start = {"started_at": "2024-05-01T00:00:00Z", "thing": {"dataset": "a", "id": "b"}, "header": {}}
+        begun = client.put(f"{API}/episodes/{episode.id}", json=start, headers=world.headers[person])
+        assert begun.status_code == {"anonymous": 401, "reader": 403}.get(person, 422)
+
+
 def test_what_is_known_in_private_does_not_show_in_a_filter(client: TestClient, world: World) -> None:
     """A filter by what an object is known to be goes by what the asker may know."""
     secret = squeeze(
@@ -275,6 +291,8 @@ def test_no_address_was_forgotten(client: TestClient, world: World) -> None:
         ("put", f"{API}/recordings/{{digest}}"),
         ("post", f"{API}/recordings"),
         ("post", f"{API}/recordings/known"),
+        ("put", f"{API}/episodes/{{id}}"),
+        ("put", f"{API}/episodes/{{id}}/lines/{{position}}"),
         ("delete", f"{API}/tokens/{{id}}"),
         *(one for one in corrections if one[0] != "get"),
         *((method.lower(), f"{API}{of}{path}") for of in SHARED for method, path, _ in SHARING if method != "GET"),

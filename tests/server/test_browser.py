@@ -2,6 +2,9 @@
 
 import os
 import shutil
+import subprocess
+import sys
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -13,7 +16,7 @@ import numpy as np
 import pytest
 
 from palpate.server.example import add_example
-from palpate.server.security.accounts import Role, add_user, set_password, users
+from palpate.server.security.accounts import Role, add_user, issue, set_password, users
 from palpate.store.blobs import FolderBlobs
 from palpate.store.keeping_episodes import get_episode, put_episode
 from palpate.store.listing_episodes import list_episodes
@@ -79,15 +82,21 @@ def page(request: pytest.FixtureRequest, browser: Any, site: str) -> Iterator[An
     """A page that minds errors, requests to other hosts, and what does not fit on the screen."""
     size = {"desktop": {"width": 1200, "height": 900}, "phone": {"width": 390, "height": 844}}[request.param]
     context = browser.new_context(base_url=site, viewport=size, color_scheme="dark")
-    found, faults = context.new_page(), []
-    found.on("console", lambda message: faults.append(message.text) if message.type in ("error", "warning") else None)
-    found.on("pageerror", lambda error: faults.append(str(error)))
-    found.on("request", lambda asked: None if asked.url.startswith(site) else faults.append(asked.url))
-    found.on("response", lambda answer: None if answer.status < 400 else faults.append(f"{answer.status} {answer.url}"))
+    found, faults = minding(context, site)
     found.on("domcontentloaded", lambda _: _fits(found, faults))
     yield found
     assert not faults
     context.close()
+
+
+def minding(context: Any, site: str) -> tuple[Any, list[str]]:
+    """A page, and the errors and the requests to other hosts that it has had."""
+    found, faults = context.new_page(), list[str]()
+    found.on("console", lambda message: faults.append(message.text) if message.type in ("error", "warning") else None)
+    found.on("pageerror", lambda error: faults.append(str(error)))
+    found.on("request", lambda asked: None if asked.url.startswith(site) else faults.append(asked.url))
+    found.on("response", lambda answer: None if answer.status < 400 else faults.append(f"{answer.status} {answer.url}"))
+    return found, faults
 
 
 def _fits(page: Any, faults: list[str]) -> None:
@@ -186,7 +195,7 @@ def test_step_through_an_exploration(page: Any) -> None:
 def log_in(page: Any, place: tuple[str, str]) -> None:
     """As a curator, whose account is made where there is none."""
     with Store(open_store(place[0], place[1], durable=False).engine, FolderBlobs(Path(place[1]))) as store:
-        if not users(store):
+        if "carl" not in {user.name for user in users(store)}:
             add_user(store, "carl", Role.CURATOR)
             set_password(store, "carl", "correct horse battery")
     page.goto("/")
@@ -265,8 +274,69 @@ def test_watch_an_exploration_that_another_process_makes(page: Any, place: tuple
             put_episode(store, grown)
             page.get_by_role("heading", name=f"Step {number}: which action?").wait_for(timeout=5000)
         put_episode(store, grown.continued(shown.steps[-1].record))
-        page.get_by_role("status").get_by_text("It ended because").wait_for(timeout=5000)
+        page.get_by_role("log").get_by_text("It ended because").wait_for(timeout=5000)
         assert page.evaluate("window.same")
+
+
+SLOW = """
+import time
+from palpate.cli import main
+from palpate.robots.sampled import SampledRobot
+perform = SampledRobot.perform
+SampledRobot.perform = lambda robot, action: (time.sleep(1.5), perform(robot, action))[1]
+main()
+"""
+
+
+def test_watch_what_palpate_explore_sends_over_the_network(
+    browser: Any, site: str, place: tuple[str, str], tmp_path: Path
+) -> None:
+    """Two watch an exploration of another process; one loses the network in the middle, and catches up."""
+    with Store(open_store(place[0], place[1], durable=False).engine, FolderBlobs(Path(place[1]))) as store:
+        add_user(store, "robot", Role.OWNER)
+        set_password(store, "robot", "correct horse battery")
+        token = issue(store, "robot")
+    watchers = []
+    for _ in range(2):
+        page, faults = minding(browser.new_context(base_url=site), site)
+        page.goto("/login")
+        page.get_by_label("Name").fill("robot")
+        page.get_by_label("Password").fill("correct horse battery")
+        page.get_by_role("button", name="Log in").click()
+        page.get_by_role("button", name="Log out").wait_for()
+        watchers.append((page, faults))
+    (first, faults), (second, _) = watchers
+    asked = ("explore", "ceramic_mug", "--seed", "5", "--steps", "4", "--live", "--to", f"{site}/api/v1")
+    environment = {**os.environ, "PALPATE_TOKEN": token, "PALPATE_SPOOL": str(tmp_path / "spool")}
+    command = [sys.executable, "-u", "-c", SLOW, *asked]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment) as run:
+        assert run.stdout is not None
+        address = next(line.split()[-1] for line in run.stdout if "watch it at" in line)
+        for page in (first, second):
+            # the address is told before the server has heard of it
+            while page.goto(address).status == 404:
+                time.sleep(0.1)
+        del faults[:]
+        first.get_by_role("heading", name="Step 1: which action?").wait_for(timeout=9000)
+        first.evaluate("window.same = true")
+        second.context.set_offline(True)
+        first.get_by_role("heading", name="Step 2: which action?").wait_for(timeout=9000)
+        assert first.locator("li.chosen").count() == 1
+        assert first.locator(".beliefs figure").count() > 3
+        assert "It goes on" in first.locator("[data-part=state]").inner_text()
+        second.context.set_offline(False)
+        for page in (first, second):
+            page.get_by_role("log").get_by_text("It ended because").wait_for(timeout=20_000)
+            assert page.get_by_role("log").locator("li").count() == 5
+            page.get_by_role("heading", name="Step 4: which action?").wait_for()
+        assert first.evaluate("window.same")
+        assert "did not get" not in run.stdout.read()
+    assert run.returncode == 0
+    assert not faults
+    first.keyboard.press("ArrowLeft")
+    first.get_by_role("heading", name="Step 3: which action?").wait_for()
+    for page in (first, second):
+        page.context.close()
 
 
 def test_keyboard_gets_past_the_menu(page: Any) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from datetime import timedelta
 from typing import Any
+from uuid import uuid4
 
 import numpy as np
 import pytest
@@ -14,10 +15,11 @@ from palpate.client.connection import Connection
 from palpate.server.app import application
 from palpate.server.settings import Settings
 from palpate.store.entries import Value
-from palpate.store.keeping_episodes import put_episode
+from palpate.store.keeping_episodes import get_episode, put_episode
 from palpate.store.records import Channel, FileItem, Receipt, Recording, Series
 from palpate.store.store import Store
 from tests.server.serving import listening
+from tests.server.test_explorations import explored
 from tests.store.made_up import made_episode, squeeze
 
 Token = Callable[..., dict[str, str]]
@@ -176,3 +178,21 @@ def test_only_uploads_may_be_large(url: str, token: Token) -> None:
     connection.request("POST", "/api/v1/recordings/known", headers={"Content-Length": str(2 << 20)})
     assert connection.getresponse().status == 413
     connection.close()
+
+
+def test_an_exploration_goes_on_where_it_stopped(ann: Client, store: Store) -> None:
+    """Lines that the server has are not sent again; a line out of order, or another one, is refused."""
+    episode = replace(explored(), id=uuid4())
+    begun = replace(episode, steps=())
+    assert ann.begin_episode(begun) == 0
+    assert ann.put_line(episode.id, 1, episode.steps[0]) == 1
+    assert ann.begin_episode(begun) == 1
+    with pytest.raises(RefusedError, match="expected line 2"):
+        ann.put_line(episode.id, 3, episode.steps[2])
+    assert ann.put_episode(episode) == 2
+    assert ann.put_episode(episode) == 0
+    assert get_episode(store, episode.id).digest == episode.digest
+    with pytest.raises(RefusedError, match="do not change"):
+        ann.put_line(episode.id, 1, episode.steps[1])
+    with pytest.raises(UnreachableError, match="expected the address of a service"):
+        ann.put_line(uuid4(), 1, episode.steps[0])

@@ -143,6 +143,23 @@ class Asked:
             "--record", help="Keep the episode in a store, a recording for each action.", rich_help_panel=OUTPUT
         ),
     ] = False
+    live: Annotated[
+        bool,
+        typer.Option(
+            "--live",
+            help="Keep the episode as --record does, and serve a page that shows each step as it is done.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = False
+    to: Annotated[
+        str | None,
+        typer.Option(
+            "--to",
+            metavar="URL",
+            help="For --live: send the episode to this server, such as https://.../api/v1, in place of a store here.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = None
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Print every decision on how an outcome was read.")
     ] = False
@@ -151,6 +168,11 @@ class Asked:
     def replay(self) -> bool:
         """Whether outcomes are replayed."""
         return self.robot is RobotKind.REPLAY
+
+    @property
+    def keeps(self) -> bool:
+        """Whether the episode goes into a store here."""
+        return self.record or (self.live and self.to is None)
 
     def load(self) -> Network:
         """The network asked for, else the one that suits the robot.

@@ -58,7 +58,7 @@ def _explore(asked: Asked, ready: Ready, kept: Kept, audience: Audience) -> list
     """Explore; keep, show and print each step."""
     screen, view, steps = console(), _view(asked, ready), list[Step]()
     log = EpisodeLog(asked.log, ready.prior, ready.about) if asked.log is not None else None
-    screen.print(_heading(asked, ready, view, kept.told))
+    screen.print(_heading(asked, ready, view, kept.told), crop=False)
     with closing(_explored(asked, ready, kept.robot, audience, screen, view)) as exploration:
         for step in exploration:
             # What was done is kept before it is shown: the screen may be a pipe that is closed.
@@ -160,7 +160,8 @@ def _heading(asked: Asked, ready: Ready, view: View, kept: str) -> Group:
         lines.append(Text(f"A trick: to a camera it looks like {known.looks_like}."))
     lines.append(Text(", ".join(how), style="dim"))
     if kept:
-        lines.append(Text(kept, style="dim"))
+        # an address that was folded is none
+        lines.append(Text(kept, style="dim", no_wrap=True, overflow="ignore"))
     if asked.verbose:
         lines += [Text(f"note: {note}", style="dim") for note in ready.notes]
     elif ready.notes:

@@ -1,4 +1,4 @@
-"""`palpate explore --record`: the exploration goes into a store, with a recording of each action."""
+"""`palpate explore --record` and `--live`: the exploration is kept, with a recording of each action."""
 
 from __future__ import annotations
 
@@ -6,68 +6,112 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
+from uuid import UUID
 
 from palpate.cli.asked import Asked, RobotKind
 from palpate.cli.storing import check_installed
+from palpate.explore import Step
 from palpate.network.digest import digest
 from palpate.robots.protocol import Robot
 
 if TYPE_CHECKING:
     from palpate.cli.preparing import Ready
     from palpate.cli.store_options import Place
-    from palpate.episode.keeping import KeptEpisode
+    from palpate.client import Receiver
     from palpate.recording import About
+    from palpate.robots.recorded import RecordedRobot
     from palpate.store.records import Setup, ThingRef
     from palpate.store.store import Store
 
 __all__ = ["Kept", "keeping"]
 
 
-@dataclass(frozen=True)
-class Kept:
-    """The robot that explores, and the episode it is kept in; None where it is not."""
-
-    robot: Robot
-    episode: KeptEpisode | None = None
-    place: str = ""
+class Growing(Protocol):
+    """An episode that is kept, step by step."""
 
     @property
-    def told(self) -> str:
-        """Where it is kept, for people to read."""
-        return f"kept as episode {self.episode.id} in {self.place}" if self.episode is not None else ""
+    def id(self) -> UUID:
+        """Its id."""
+
+    def write(self, step: Step) -> None:
+        """Keep a step."""
+
+
+@dataclass(frozen=True)
+class Kept:
+    """The robot that explores, the episode it is kept in, and where, for people to read; None where it is not."""
+
+    robot: Robot
+    episode: Growing | None = None
+    told: str = ""
 
 
 @contextmanager
 def keeping(asked: Asked, place: Place, ready: Ready) -> Iterator[Kept]:
-    """Keep an exploration in the store of the options while the block runs, where that was asked for.
+    """Keep an exploration as the options say while the block runs.
 
-    What could not be sent to the store is told on standard error in the end.
+    What could not be sent is told on standard error in the end.
     """
-    if not asked.record:
+    if asked.to is not None:
+        with _posted(asked.to, asked, ready) as kept:
+            yield kept
+    elif asked.keeps:
+        with _stored(asked, place, ready) as kept:
+            yield kept
+    else:
         yield Kept(ready.robot)
-        return
-    check_installed()
-    from palpate.episode.keeping import KeptEpisode
-    from palpate.robots.recorded import RecordedRobot
 
-    origin = _origin(asked, ready)
-    with place.opened(make=True) as store:
-        thing = _known_thing(store, origin, ready)
-        robot = RecordedRobot(
-            ready.robot,
-            ready.prior.network,
-            store,
-            thing=thing,
-            setup=origin.setup,
-            about=origin.about,
-            notices=[origin.notice],
-        )
+
+@contextmanager
+def _stored(asked: Asked, place: Place, ready: Ready) -> Iterator[Kept]:
+    """In a store here, with a page to watch it where that was asked for."""
+    check_installed()
+    from palpate.cli.live import showing
+    from palpate.episode.keeping import KeptEpisode
+
+    with place.opened(make=True) as store, showing(asked, place) as shown:
+        robot = _recorded(asked, ready, store)
+        episode = KeptEpisode(store, robot, ready.prior, ready.about)
+        told = f"kept as episode {episode.id} in {store.engine.url!r}"
         try:
-            yield Kept(robot, KeptEpisode(store, robot, ready.prior, ready.about), repr(store.engine.url))
+            yield Kept(robot, episode, f"{told}\nwatch it at {shown(episode.id)}" if asked.live else told)
         finally:
             for trouble in robot.troubles:
                 print(f"palpate: {trouble}", file=sys.stderr)
+
+
+@contextmanager
+def _posted(url: str, asked: Asked, ready: Ready) -> Iterator[Kept]:
+    """On a server elsewhere, for which nobody waits."""
+    check_installed()
+    from palpate.cli.live import LIVE_TIMEOUT_S, page_of, tell_left
+    from palpate.client import Client
+    from palpate.episode.posting import PostedEpisode
+
+    client = Client(url, timeout_s=LIVE_TIMEOUT_S)
+    robot = _recorded(asked, ready, None)
+    episode = PostedEpisode(client, robot, ready.prior, ready.about)
+    try:
+        yield Kept(robot, episode, f"sent as episode {episode.id}; watch it at {page_of(client.url, episode.id)}")
+    finally:
+        tell_left(episode.close(), client.url, robot.spool)
+
+
+def _recorded(asked: Asked, ready: Ready, receiver: Receiver | None) -> RecordedRobot:
+    from palpate.robots.recorded import RecordedRobot
+    from palpate.store.records import ThingRef
+
+    origin = _origin(asked, ready)
+    return RecordedRobot(
+        ready.robot,
+        ready.prior.network,
+        receiver,
+        thing=ThingRef(origin.dataset, ready.about.object or "unnamed"),
+        setup=origin.setup,
+        about=origin.about,
+        notices=[origin.notice],
+    )
 
 
 @dataclass(frozen=True)

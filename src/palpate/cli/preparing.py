@@ -105,8 +105,11 @@ def _check(asked: Asked, place: Place) -> None:
             if getattr(asked, option):
                 raise PalpateError(f"--{option} is only for --robot mujoco, and the robot is {asked.robot.value}")
     in_store = asked.session is not None and is_in_store(asked.session)
-    if (place.place or place.blobs) and not (asked.record or in_store):
-        raise PalpateError("--store and --blobs are for --record and --session store, and neither was found")
+    if (place.place or place.blobs) and not (asked.keeps or in_store):
+        raise PalpateError("--store and --blobs are for --record, --live and --session store, and none was found")
+    if asked.to is not None and (asked.record or not asked.live):
+        found = "--record, which keeps it here," if asked.record else "no --live"
+        raise PalpateError(f"--to: {found} was found, expected --live alone, which sends the episode there")
     if asked.repeat and set(_stopping_words(asked).split(",")) == {"nothing-left"}:
         raise PalpateError(
             "--repeat with --stop nothing-left would never end: add --steps, --budget or --stop gain:BITS"

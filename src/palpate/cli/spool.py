@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,6 +13,7 @@ import typer
 if TYPE_CHECKING:
     from palpate.client import Receiver
     from palpate.recording.spool import Spool
+    from palpate.store.episodes import StoredEpisode
 
 __all__ = ["app"]
 
@@ -57,22 +59,25 @@ def upload(
     refused: Annotated[bool, typer.Option("--refused", help="Send those again that were refused.")] = False,
     attempts: Annotated[int, typer.Option(min=1, help="How often to try before giving up.")] = 5,
 ) -> None:
-    """Send the recordings that wait; each leaves the spool when the receiver has acknowledged it.
+    """Send what waits, recordings and then explorations; each leaves the spool when the receiver has acknowledged it.
 
-    The exit code is 1 where recordings still wait or were refused.
+    The exit code is 1 where something still waits or was refused.
     """
-    from palpate.cli.spool_view import print_sent
+    from palpate.cli.spool_view import print_sent, print_sent_episodes
+    from palpate.recording.outbox import Outbox
     from palpate.recording.uploading import BackOff
     from palpate.recording.uploading import upload as send
 
     found = _found(spool)
     for name in found.refused() if refused else ():
         found.requeue(name)
-    if not found.waiting():
+    if not (found.waiting() or Outbox(found).waiting()):
         # a place that was mistyped gets neither a store nor a folder for nothing
         raise typer.Exit(0 if print_sent(found, ()) else 1)
-    with _receiver(to) as (receiver, place):
+    with _receiver(to) as (receiver, put_episode, place):
         is_empty = print_sent(found, send(found, receiver, back_off=BackOff(attempts=attempts)), place)
+        # their recordings are there by now
+        is_empty &= print_sent_episodes(Outbox(found), put_episode, place)
     raise typer.Exit(0 if is_empty else 1)
 
 
@@ -87,15 +92,17 @@ def _found(folder: Path | None) -> Spool:
 
 
 @contextmanager
-def _receiver(place: str | None) -> Iterator[tuple[Receiver, str]]:
-    """What takes recordings, and where it is, for people to read."""
+def _receiver(place: str | None) -> Iterator[tuple[Receiver, Callable[[StoredEpisode], object], str]]:
+    """What takes recordings, what takes explorations, and where both are, for people to read."""
     if place is not None and place.startswith(("http://", "https://")):
-        from palpate.client import HttpReceiver
+        from palpate.client import Client
 
-        yield HttpReceiver(place), place
+        client = Client(place)
+        yield client, client.put_episode, place
         return
     from palpate.cli.storing import tell_made
+    from palpate.store.keeping_episodes import put_episode
     from palpate.store.opening import open_store
 
     with open_store(place, made=tell_made) as store:
-        yield store, repr(store.engine.url)
+        yield store, partial(put_episode, store), repr(store.engine.url)

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from palpate.cli.terminal import console
+from palpate.client import ReceiverError
 from palpate.figures.wording import plural
+from palpate.recording.outbox import Outbox
 from palpate.recording.spool import Spool
 from palpate.recording.uploading import Sent
 from palpate.store.entries import FailedEntry
+from palpate.store.episodes import StoredEpisode
 from palpate.store.errors import StoreError
 from palpate.store.records import Recording
 
-__all__ = ["print_recovered", "print_sent", "print_spool"]
+__all__ = ["print_recovered", "print_sent", "print_sent_episodes", "print_spool"]
 
 
 def print_spool(spool: Spool) -> None:
@@ -25,6 +28,8 @@ def print_spool(spool: Spool) -> None:
         out.print(f"waiting  {name}  {_in_short(spool, name)}", soft_wrap=True)
     for name, reason in refused.items():
         out.print(f"refused  {name}  {reason}", soft_wrap=True)
+    for name in Outbox(spool).waiting():
+        out.print(f"waiting  exploration {name}, which no server has whole", soft_wrap=True)
     for name, is_running in unfinished.items():
         told = "is being recorded" if is_running else "was cut off: palpate spool recover"
         out.print(f"open     {name}  {told}", soft_wrap=True)
@@ -66,6 +71,24 @@ def print_sent(spool: Spool, sent: Iterable[Sent], place: str = "") -> bool:
         told = "see why with palpate spool list, and when that is mended: palpate spool upload --refused"
         out.print(f"What was refused is kept: {told}.", soft_wrap=True)
     return not (waiting or refused)
+
+
+def print_sent_episodes(outbox: Outbox, put: Callable[[StoredEpisode], object], place: str) -> bool:
+    """Send the explorations that wait, and print what became of each; True where none is left."""
+    out = console()
+    for name in outbox.waiting():
+        with outbox.claimed(name) as is_mine:
+            if not is_mine:
+                out.print(f"waiting  exploration {name}  goes on, and sends its steps itself", soft_wrap=True)
+                continue
+            try:
+                put(outbox.read(name))
+            except (ReceiverError, StoreError) as error:
+                out.print(f"waiting  exploration {name}  {' '.join(str(error).split())}", soft_wrap=True)
+            else:
+                outbox.remove(name)
+                out.print(f"sent     exploration {name}  is in {place}", soft_wrap=True)
+    return not outbox.waiting()
 
 
 def _in_short(spool: Spool, name: str) -> str:

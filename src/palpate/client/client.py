@@ -14,8 +14,10 @@ from urllib.parse import quote, urlencode
 from uuid import UUID
 
 from palpate.client.batches import chunks, is_large, known, send
+from palpate.client.episodes import begin, put_line
 from palpate.client.errors import RefusedError
 from palpate.client.receiver import IN_MEMORY, HttpReceiver
+from palpate.store.episodes import StoredEpisode, StoredStep
 from palpate.store.errors import StoreError
 from palpate.store.importing.package import unpack
 from palpate.store.records import FileItem, Receipt, Recording
@@ -74,6 +76,48 @@ class Client(HttpReceiver):
         if not isinstance(found, dict):
             raise self._connection.strange("no exploration")
         return found
+
+    def begin_episode(self, episode: StoredEpisode) -> int:
+        """Send the beginning of an exploration, without its lines, and return how many of them the server has.
+
+        It is for explorations that go on; `put_episode` sends one that is over. The same again does no harm.
+
+        Raises
+        ------
+        UnreachableError, NotAllowedError
+            As `put`.
+        RefusedError
+            If the server will not have it, or has another one under its id.
+        """
+        return begin(self._connection, episode)
+
+    def put_line(self, episode: UUID, position: int, step: StoredStep) -> int:
+        """Send a line of an exploration that was begun, the first one at 1; how many lines the server has then.
+
+        Its recording is sent before. The same line again does no harm.
+
+        Raises
+        ------
+        UnreachableError, NotAllowedError
+            As `put`.
+        RefusedError
+            If another line stands there, those in front of it are missing, or it is no line of a log.
+        """
+        return put_line(self._connection, episode, position, step)
+
+    def put_episode(self, episode: StoredEpisode) -> int:
+        """Send those lines of an exploration that the server lacks, and return how many these were.
+
+        Raises
+        ------
+        UnreachableError, NotAllowedError, RefusedError
+            As `begin_episode` and `put_line`; what was sent before is kept.
+        """
+        known = self.begin_episode(episode)
+        missing = list(enumerate(episode.steps, 1))[known:]
+        for position, step in missing:
+            self.put_line(episode.id, position, step)
+        return len(missing)
 
     def get(self, key: UUID | str) -> Recording:
         """One recording by its id or its digest, with its arrays and files; it is what was put, or an error.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
+from typing import Any
 from uuid import UUID
 
 from palpate.episode.format import About, Episode, episode_of, header_record, step_record
@@ -12,13 +13,14 @@ from palpate.logfile import Line
 from palpate.network.model import Network
 from palpate.robots.recorded import RecordedRobot
 from palpate.store.checks import check_unit
+from palpate.store.content import in_utc
 from palpate.store.episodes import StoredEpisode
 from palpate.store.keeping_episodes import get_episode, put_episode
 from palpate.store.quantities import check_quantity
 from palpate.store.store import Store
 from palpate.store.units import units_of
 
-__all__ = ["KeptEpisode", "check_units", "read_stored_episode"]
+__all__ = ["KeptEpisode", "check_units", "read_stored_episode", "stored_record"]
 
 
 class KeptEpisode:
@@ -72,8 +74,13 @@ class KeptEpisode:
 
     def write(self, step: Step) -> None:
         """Add a step; StoreError if the store cannot be written any more."""
-        self.stored = self.stored.continued(step_record(step), self._robot.end_step())
+        self.stored = self.stored.continued(stored_record(step), self._robot.end_step())
         put_episode(self._store, self.stored)
+
+
+def stored_record(step: Step) -> dict[str, Any]:
+    """The line of a step as a store has it: with the time when it was done, so that who watches knows how old it is."""
+    return {**step_record(step), "done_at": in_utc(datetime.now(UTC))}
 
 
 def read_stored_episode(store: Store, key: UUID | str) -> Episode:

@@ -38,7 +38,7 @@ class RecordedRobot:
     network
         Tells which property an action measures, and its unit.
     receiver
-        The store, or a server that has one.
+        The store, or a server that has one; None where recordings wait in the spool for somebody else to send them.
     thing
         The object that is explored.
     setup
@@ -60,7 +60,7 @@ class RecordedRobot:
         self,
         robot: Robot,
         network: Network,
-        receiver: Receiver,
+        receiver: Receiver | None,
         *,
         thing: ThingRef,
         setup: Setup | None = None,
@@ -76,10 +76,11 @@ class RecordedRobot:
         self._robot = robot
         self._network = network
         self._receiver = receiver
-        self._spool = spool or Spool()
+        self.spool = spool or Spool()
         self._notices = tuple(notices)
         self._step = 0
         self._recorded: str | None = None
+        self._waiting: list[str] = []
 
     def actions(self) -> Sequence[str]:
         """What the robot can do."""
@@ -104,9 +105,16 @@ class RecordedRobot:
         self._step += 1
         return recorded
 
+    def take_waiting(self) -> list[str]:
+        """Names of the recordings that were left in the spool, as there is no receiver, since this was last asked."""
+        # an action that was given up may end while this is asked
+        count = len(self._waiting)
+        taken, self._waiting[:count] = self._waiting[:count], []
+        return taken
+
     def _measured(self, action: str, step: int, finished: list[Finished]) -> Outcome:
         measured = self._network.action(action).sensor.property
-        measuring = Measuring(action, self.setup, self.thing, measured, self.about, (), self._spool)
+        measuring = Measuring(action, self.setup, self.thing, measured, self.about, (), self.spool)
         with measuring.one((), {}, superseded=lambda: _is_recorded(action, finished)) as returned:
             outcome = self._robot.perform(action)
             notices = self._notices if step == self._step else (*self._notices, "it came after it was given up")
@@ -122,22 +130,27 @@ class RecordedRobot:
         return outcome if outcome.unit is not None else replace(outcome, unit=measured.unit)
 
     def _send(self, one: Finished, action: str, step: int) -> None:
-        sent = self._sent(one)
-        if sent.state not in ("sent", "known"):
-            self.troubles.append(f"the recording {one.name} is {sent.state} in {one.spool.folder}: {sent.reason}")
-        elif one.recording.action == action and step == self._step:
+        if self._receiver is None:
+            self._waiting.append(one.name)
+        else:
+            sent = _sent(one, self._receiver)
+            if sent.state not in ("sent", "known"):
+                self.troubles.append(f"the recording {one.name} is {sent.state} in {one.spool.folder}: {sent.reason}")
+                return
+        if one.recording.action == action and step == self._step:
             self._recorded = one.recording.digest
 
-    def _sent(self, one: Finished) -> Sent:
-        """What became of a recording, though somebody else may be sending what is in the same spool."""
-        end = monotonic() + PATIENCE_S
-        while (sent := send(one.spool, one.name, self._receiver)) is None:
-            if not one.spool.waits(one.name):
-                return _sent_by_another(one)
-            if monotonic() > end:
-                return Sent(one.name, "waiting", f"somebody else has been sending it for {PATIENCE_S:g} s")
-            sleep(PAUSE_S)
-        return sent
+
+def _sent(one: Finished, receiver: Receiver) -> Sent:
+    """What became of a recording, though somebody else may be sending what is in the same spool."""
+    end = monotonic() + PATIENCE_S
+    while (sent := send(one.spool, one.name, receiver)) is None:
+        if not one.spool.waits(one.name):
+            return _sent_by_another(one)
+        if monotonic() > end:
+            return Sent(one.name, "waiting", f"somebody else has been sending it for {PATIENCE_S:g} s")
+        sleep(PAUSE_S)
+    return sent
 
 
 def _sent_by_another(one: Finished) -> Sent:

@@ -16,6 +16,7 @@ from starlette.requests import ClientDisconnect
 from palpate.server.problems import problem, problem_of_store
 from palpate.server.security.accounts import Account, Role
 from palpate.server.state import State
+from palpate.store.episodes import StoredEpisode
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.importing.package import unpack
 from palpate.store.records import Receipt, Recording
@@ -81,7 +82,7 @@ def _check(recording: Recording, who: Account, digest: str) -> None:
     check_owner(recording, who)
 
 
-def check_owner(recording: Recording, who: Account) -> None:
+def check_owner(recording: Recording | StoredEpisode, who: Account) -> None:
     """Refuse what is sent in the name of somebody else; administrators move whole stores.
 
     What states no owner is seen, where it is private, by who has sent it.

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from uuid import UUID
 
-from sqlalchemy import func, select
+from sqlalchemy import func, or_, select
 
 from palpate.store import schema
 from palpate.store.filters import digest_bytes
@@ -14,7 +14,14 @@ from palpate.store.legible import reading
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
 
-__all__ = ["Progress", "episode_is_visible", "progress_of", "recordings_of_digests"]
+__all__ = [
+    "Progress",
+    "episode_is_of",
+    "episode_is_there",
+    "episode_is_visible",
+    "progress_of",
+    "recordings_of_digests",
+]
 
 
 @dataclass(frozen=True)
@@ -23,6 +30,20 @@ class Progress:
 
     lines: int
     stop: str | None
+
+
+def episode_is_there(store: Store, key: UUID) -> bool:
+    """Whether there is an exploration of this id, seen or not."""
+    with reading(store.engine) as connection:
+        return connection.scalar(select(schema.episodes.c.id).where(schema.episodes.c.uuid == key.bytes)) is not None
+
+
+def episode_is_of(store: Store, account: str, key: UUID) -> bool:
+    """Whether an account owns an exploration or has sent it."""
+    columns = schema.episodes.c
+    theirs = or_(columns.owner == account, columns.uploaded_by == account)
+    with reading(store.engine) as connection:
+        return connection.scalar(select(columns.id).where(columns.uuid == key.bytes, theirs)) is not None
 
 
 def episode_is_visible(store: Store, viewer: Viewer, key: UUID) -> bool:

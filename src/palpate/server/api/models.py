@@ -16,6 +16,7 @@ __all__ = [
     "Entry",
     "EntryRow",
     "Episode",
+    "EpisodeProgress",
     "EpisodeRow",
     "File",
     "KnownRecordings",
@@ -286,6 +287,15 @@ class Episode(EpisodeRow):
 
     header: dict[str, Any]
     steps: list[Step]
+
+
+class EpisodeProgress(Strict):
+    """How far an exploration is: lines of its log after the first; why it stopped; its page for people."""
+
+    id: UUID
+    lines: int
+    stop: str | None
+    page: str
 
 
 class Property(Strict):

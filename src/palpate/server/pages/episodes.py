@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime, timedelta
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse
 from pydantic import BaseModel, ConfigDict, Field
 
-from palpate.episode.format import Episode, LoggedStep, episode_of
+from palpate.episode.format import Episode, LoggedStep
 from palpate.errors import LogError
 from palpate.evidence import format_item
-from palpate.logfile import Line
 from palpate.server.api.downloads import SHOWN
 from palpate.server.api.episodes import SeenEpisode
 from palpate.server.api.parameters import StoreOf
 from palpate.server.api.queries import EpisodeQuery
+from palpate.server.explorations import last_at, read_episode
 from palpate.server.pages.sharing import form_values
 from palpate.server.pages.templates import page
 from palpate.server.plots.beliefs import belief_rows
@@ -29,6 +30,8 @@ from palpate.store.parts import Head, head_of
 __all__ = ["router"]
 
 router = APIRouter(prefix="/episodes")
+QUIET, GONE = timedelta(minutes=5), timedelta(hours=2)
+"""After them an exploration that says nothing is said to be quiet, and to be interrupted."""
 
 
 @router.get("")
@@ -70,12 +73,24 @@ def one(
         rows=[] if step is None else belief_rows(step.before, step.after),
         recording=None if recording is None else str(recording.id),
         pictures=[] if recording is None else _pictures(recording),
+        lines=[(one.index, one.action, _told(one), one) for one in episode.steps],
+        last=last_at(stored),
+        state=_state(stored),
+        newest=asked.step is None,
     )
+
+
+def _state(stored: StoredEpisode) -> str:
+    """Whether it is over, goes on, has been quiet for long, or was interrupted as far as anybody can tell."""
+    if stored.stop is not None:
+        return "over"
+    quiet = datetime.now(UTC) - last_at(stored)
+    return "running" if quiet < QUIET else "quiet" if quiet < GONE else "interrupted"
 
 
 def _read(stored: StoredEpisode) -> Episode:
     try:
-        return episode_of([Line(f"episode {stored.id} line {n}", record) for n, record in enumerate(stored.records, 1)])
+        return read_episode(stored)
     except LogError as error:
         raise problem(422, str(error)) from None
 

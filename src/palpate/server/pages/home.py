@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from hmac import compare_digest
+from uuid import UUID
 
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
@@ -45,12 +46,12 @@ def home(request: Request, store: StoreOf, who: Who) -> HTMLResponse:
 
 
 @router.get("/enter")
-def enter(request: Request, key: str = "") -> Response:
-    """Know the browser of whoever started the server, by the key that was printed then."""
+def enter(request: Request, key: str = "", episode: UUID | None = None) -> Response:
+    """Know the browser of whoever started the server, by the key that was printed then; and show an exploration."""
     known = state_of(request).settings.key
     if known is None or not compare_digest(known.encode(), key.encode("utf-8", "replace")):
         raise problem(403, "key: is not the one that the server has printed")
-    found = RedirectResponse("/", 303)
+    found = RedirectResponse("/" if episode is None else f"/episodes/{episode}", 303)
     found.set_cookie(COOKIE, known, httponly=True, samesite="strict", path="/")
     # the key stands in the address
     found.headers["Referrer-Policy"] = "no-referrer"

@@ -13,24 +13,62 @@ window.addEventListener("pageshow", () => {
 });
 
 // An exploration that goes on: the page follows it, unless somebody looks at an earlier step.
+const LOST_MS = 3000;
 function follow(place) {
   const events = new EventSource(place.dataset.live);
-  events.onmessage = async (event) => {
+  const following = !new URLSearchParams(location.search).has("step");
+  let lost = 0;
+  events.onopen = () => {
+    clearTimeout(lost);
+    lost = 0;
+    if (place.dataset.lost) place.textContent = "";
+    delete place.dataset.lost;
+  };
+  events.onmessage = (event) => {
     const now = JSON.parse(event.data);
-    if (new URLSearchParams(location.search).has("step")) {
-      place.textContent = now.stop ? "It has ended." : `It goes on: ${now.lines} steps by now.`;
-    } else {
-      const page = new DOMParser().parseFromString(await (await fetch(location.href)).text(), "text/html");
-      for (const part of document.querySelectorAll("[data-part]")) {
-        const other = page.querySelector(`[data-part=${part.dataset.part}]`);
-        if (other) part.replaceWith(other);
-      }
-      place.textContent = now.stop ? `It ended because ${now.stop}.` : `Step ${now.lines} has come.`;
-    }
     if (now.stop) events.close();
+    if (following) renew(now.stop ? () => place.remove() : () => {});
+    else place.textContent = now.stop ? `It has ended because ${now.stop}.` : `It goes on: ${now.lines} steps by now.`;
   };
+  // A stream ends now and then, and the browser asks again: only what lasts is worth a word.
   events.onerror = () => {
-    if (events.readyState === EventSource.CLOSED) place.textContent = "The server does not answer any more: load the page again.";
+    if (events.readyState === EventSource.CLOSED) say("The server does not answer any more: load the page again.");
+    else lost ||= setTimeout(() => say("The server does not answer; asking again."), LOST_MS);
   };
+  function say(words) {
+    place.dataset.lost = "yes";
+    place.textContent = words;
+  }
+}
+
+// Take what is new from the page as it is by now; again a little later where the server is away.
+async function renew(then) {
+  try {
+    const answer = await fetch(location.href);
+    if (!answer.ok) throw new TypeError(answer.statusText);
+    const page = new DOMParser().parseFromString(await answer.text(), "text/html");
+    for (const part of document.querySelectorAll("[data-part]")) {
+      const other = page.querySelector(`[data-part=${part.dataset.part}]`);
+      if (!other) continue;
+      if (part.getAttribute("role") === "log") part.append(...[...other.children].slice(part.children.length));
+      else replace(part, other);
+    }
+    then();
+  } catch {
+    setTimeout(() => renew(then), LOST_MS);
+  }
+}
+
+// Whoever is at a link by keyboard stays there.
+function replace(part, other) {
+  const at = part.contains(document.activeElement) ? document.activeElement.getAttribute("href") : null;
+  part.replaceWith(other);
+  if (at) other.querySelector(`a[href="${CSS.escape(at)}"]`)?.focus();
 }
 for (const place of document.querySelectorAll("[data-live]")) follow(place);
+
+// Arrows lead from step to step.
+document.addEventListener("keydown", (event) => {
+  if (event.altKey || event.ctrlKey || event.metaKey || event.shiftKey || event.target.closest("input, select, textarea, audio, [tabindex]")) return;
+  document.querySelector(`a[aria-keyshortcuts=${CSS.escape(event.key)}]`)?.click();
+});

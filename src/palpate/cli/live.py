@@ -1,0 +1,78 @@
+"""`palpate explore --live`: the page that shows an exploration as it goes on, and what did not get to a server."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+from uuid import UUID
+
+from palpate.figures.wording import plural
+
+if TYPE_CHECKING:
+    from palpate.cli.asked import Asked
+    from palpate.cli.store_options import Place
+    from palpate.recording.posting import Left
+    from palpate.recording.spool import Spool
+
+__all__ = ["LIVE_TIMEOUT_S", "page_of", "showing", "tell_left"]
+
+LIVE_TIMEOUT_S = 10.0
+"""After it a server that does not answer is asked again."""
+GRACE_S = 2.0
+"""In which those who watch get the last step."""
+SERVICE = "/api/v1"
+
+
+@contextmanager
+def showing(asked: Asked, place: Place) -> Iterator[Callable[[UUID], str]]:
+    """Serve the store while the block runs, where that was asked for; what it gives makes the address of an episode.
+
+    In a terminal the page stays until Ctrl-C, as somebody may still look at it.
+    """
+    if not asked.live:
+        yield str
+        return
+    from palpate.cli.serve import check_installed
+    from palpate.server.beside import beside
+
+    check_installed()
+    with beside(place.place, place.blobs) as address:
+        yield lambda id: f"{address}&episode={id}"
+        if sys.stdout.isatty():
+            print("The page stays until Ctrl-C.", flush=True)
+            _until_interrupted()
+        else:
+            time.sleep(GRACE_S)
+
+
+def _until_interrupted() -> None:
+    try:
+        while True:
+            time.sleep(3600.0)
+    except KeyboardInterrupt:
+        print()
+
+
+def page_of(url: str, id: UUID) -> str:
+    """The address for people of an episode on a server.
+
+    Examples
+    --------
+    >>> page_of("https://touch.example.org/api/v1", UUID(int=7))
+    'https://touch.example.org/episodes/00000000-0000-0000-0000-000000000007'
+    """
+    return f"{url.removesuffix(SERVICE)}/episodes/{id}"
+
+
+def tell_left(left: Left | None, url: str, spool: Spool) -> None:
+    """Say what a server does not have, why, and how to send it; nothing where it has all."""
+    if left is not None:
+        lines = f"{plural(left.lines, 'line')} of the episode" if left.lines else "the episode"
+        print(
+            f"palpate: {lines} did not get to {url}: {left.reason}\n"
+            f"palpate: all of it is kept in {spool.folder}; to send it: palpate spool upload --to {url}",
+            file=sys.stderr,
+        )
