@@ -83,8 +83,8 @@ def test_outcomes_in_words(network: Network, tmp_path: Path) -> None:
     )
     assert data.notices == (
         "action 'weigh': 99 g is beyond saturation and is read as above 35 g",
-        "look: failed, and left out",
-        "weigh: failed, and left out",
+        "look: failed on a with: no reason was given; left out",
+        "weigh: failed on a with: no reason was given; left out",
     )
 
 

@@ -57,10 +57,22 @@ def test_what_cannot_be_used_is_told() -> None:
     )
     assert data.specimens[0].readings == {}
     told = " | ".join(data.notices)
-    assert "weighing: failed, and left out (2 times)" in told
+    assert "weighing: failed on banana 2 times, at first with: it fell; left out" in told
     assert "weighing: failed 2 of 2 times, at first with: it fell" in told
     assert "unknown label 'pear'" in told
     assert "'licking', which the network has not" in told
+
+
+def test_failures_on_many_objects_are_told_in_short() -> None:
+    """Those with most failures are named with a reason, and how many others there are."""
+    things = list(NETWORK.objects)[:8]
+    rows = [
+        (name, "weighing", Failed(f"fell off {name}")) for place, name in enumerate(things) for _ in range(place + 1)
+    ]
+    told = [notice for notice in read(*rows).notices if "failed on" in notice]
+    assert len(told) == 6
+    assert f"weighing: failed on {things[7]} 8 times, at first with: fell off {things[7]}; left out" in told
+    assert "weighing: failed on 3 more objects, 6 times; left out" in told
 
 
 def test_an_unknown_object_is_refused() -> None:

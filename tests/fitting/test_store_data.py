@@ -164,7 +164,7 @@ def test_what_is_no_reading_is_told(store: Store, network: Network) -> None:
     assert mug.readings["look"] == (Label("bolt"),)
     assert sorted(data.notices) == sorted(
         (
-            "weigh: failed, and left out (2 times)",
+            "weigh: failed on lab/mug 2 times, at first with: slipped; left out",
             "weigh: an interval, which no sensor model gives; left out",
             "weigh: a number without a unit; left out",
             "results of 'density' by 'weigh', which measures 'mass'; left out",

@@ -9,7 +9,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Row, Select, select
+from sqlalchemy import Row, Select, case, select
 
 from palpate.errors import EvidenceError
 from palpate.fitting.data import Data, Source
@@ -23,8 +23,9 @@ from palpate.robots.simulated_truth import LOOKS_LIKE
 from palpate.store import schema
 from palpate.store.content import entry_plain, to_json
 from palpate.store.filters import Filter
-from palpate.store.legible import reading
+from palpate.store.legible import legible, reading
 from palpate.store.rows import EPOCH
+from palpate.store.seals import recording_name
 from palpate.store.store import Store
 
 __all__ = ["read_store"]
@@ -125,9 +126,10 @@ def _readings(store: Store, wanted: Filter) -> Iterator[Row[*tuple[Any, ...]]]:
 def _asked(wanted: Filter) -> Select[*tuple[Any, ...]]:
     entries, recordings = schema.entries.c, schema.recordings
     own = [entries[name] for name in ("kind", "property", "value", "low", "high", "unit", "label", "thing_id")]
-    columns = [recordings.c.action, recordings.c.digest, recordings.c.recorded_us, *own]
+    columns = [recordings.c[name] for name in ("action", "digest", "recorded_us", "uuid")]
+    failure = case((entries.kind == "failed", recordings.c.document)).label("failure")
     return (
-        select(*columns)
+        select(*columns, *own, entries.position, failure)
         .join(recordings, recordings.c.id == entries.recording_id)
         .where(recordings.c.ground_truth.is_(False), *wanted.conditions())
         .order_by(recordings.c.digest, entries.position)
@@ -159,10 +161,16 @@ def _take(gathered: Gathered, row: Row[*tuple[Any, ...]], names: dict[int, str])
     return True
 
 
+def _reason(row: Row[*tuple[Any, ...]]) -> str:
+    """Why a measurement failed, which only its document says."""
+    with legible(recording_name(row.uuid)):
+        return str(json.loads(row.failure)["entries"][row.position]["reason"])
+
+
 def _outcome(row: Row[*tuple[Any, ...]]) -> Outcome | str:
     """The outcome that a row stands for, or why it is none."""
     if row.kind == "failed":
-        return Failed()
+        return Failed(_reason(row))
     if row.kind == "distribution":
         return Label(row.label)
     if row.kind == "interval":
