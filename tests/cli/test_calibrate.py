@@ -7,6 +7,7 @@ import pytest
 
 from palpate.network.reading import load_network, read_document
 from palpate.network.sensors import ConfusionSensor, NumberSensor
+from palpate.robots.sampled import SampledRobot
 from palpate.store.opening import open_store
 from tests.fitting.made_up import drawn, fill, network_of
 
@@ -82,6 +83,27 @@ def test_outcomes_are_kept(run: Any, folder: Path) -> None:
     assert (folder / "own.toml").read_text() == first
     assert "of other settings" in run(*command, "--resume", "--force", "--seed", 4).refused
     assert run(*command, "--outcomes", "elsewhere", "--force").code == 0
+
+
+def test_what_is_interrupted_is_kept(run: Any, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C ends with how much is done, where it is and how to go on; and so it does."""
+    command = sampled("--action", "weighing", "--times", 3, "--folds", 0, "--workers", 1)
+    perform, done = SampledRobot.perform, list[str]()
+
+    def interrupted(robot: SampledRobot, action: str) -> Any:
+        done.append(action)
+        if len(done) > 7:
+            raise KeyboardInterrupt
+        return perform(robot, action)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(SampledRobot, "perform", interrupted)
+        ran = run(*command)
+    assert (ran.code, ran.err) == (130, "palpate: interrupted\n")
+    told = "Interrupted: 2 of 17 tasks are done and kept in own-outcomes; the same command with --resume goes on"
+    assert told in " ".join(ran.out.split())
+    assert not (folder / "own.toml").exists()
+    assert run(*command, "--resume").code == 0
 
 
 def test_the_bench_can_be_calibrated(run: Any, folder: Path) -> None:

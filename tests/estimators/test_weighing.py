@@ -207,3 +207,18 @@ def test_numbers_that_cannot_be_are_errors(wrong: float) -> None:
     if not np.isfinite(wrong):
         with pytest.raises(EstimatorError, match="lever_per_offset"):
             weigh([replace(good, lever_per_offset=wrong)])
+
+
+def test_more_than_the_arm_can_hold_is_no_mass() -> None:
+    """Torques in the wrong unit are refused, whatever arm it is; what it can just hold is weighed."""
+    one = hold(0.112, np.random.default_rng(7))
+    wrong = weigh([replace(one, torque_nm=1e3 * one.torque_nm, empty_torque_nm=1e3 * one.empty_torque_nm)]).outcome
+    assert isinstance(wrong, Failed)
+    assert "kg, and the arm can hold 4.5 kg: torques or levers are in another unit" in wrong.reason
+    heavy = [hold(9.0, np.random.default_rng(7))]
+    assert isinstance(weigh(heavy).outcome, Failed)
+    assert isinstance(weigh(heavy, payload_kg=10.0).outcome, Reading)
+    assert isinstance(weigh(heavy, payload_kg=float("inf")).outcome, Reading)
+    for payload_kg in (0.0, -1.0, float("nan")):
+        with pytest.raises(EstimatorError, match="payload_kg"):
+            weigh(heavy, payload_kg=payload_kg)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from palpate.cli.progress_view import bar
+from palpate.errors import plural
 from palpate.experiments.running import Task, run_tasks
 from palpate.experiments.workers import executor
 
@@ -29,9 +30,19 @@ def run_shown(
     doing
         What stands before the bar.
     """
+    kept = 0
     try:
         with executor(workers, scheduler) as found, bar(doing) as told:
-            run_tasks(tasks, folder, found, told, settings=settings, resume=resume)
+
+            def tell(done: int, of: int) -> None:
+                nonlocal kept
+                kept = done
+                told(done, of)
+
+            run_tasks(tasks, folder, found, tell, settings=settings, resume=resume)
     except KeyboardInterrupt:
-        print(f"What is done is kept in {folder}: the same command with --resume goes on from there.")
+        print(
+            f"Interrupted: {kept} of {plural(len(tasks), 'task')} are done and kept in {folder}; the same command with "
+            "--resume goes on from there."
+        )
         raise

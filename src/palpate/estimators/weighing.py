@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from palpate.estimators.signals import EstimatorError, SignalError, correlation_factor, samples, together
 from palpate.outcomes import Failed, Reading
 
-__all__ = ["Hold", "Weighing", "weigh"]
+__all__ = ["PAYLOAD_KG", "Hold", "Weighing", "weigh"]
 
 GRAVITY_M_S2 = 9.80665
 LEAST_SAMPLES = 5
@@ -25,6 +25,8 @@ LEFT_BY_STEP, STEP_SDS = 0.5, 6.0
 """A hold steps where two levels leave this share of the squares that a line leaves, and differ by so many SDs."""
 RESOLUTION_NM = 0.005
 """Of a good arm's torque sensors: about a gram at half a metre."""
+PAYLOAD_KG = 4.5
+"""The most that a Kinova Gen3 holds, and that for a moment (Gen3 user guide, normal use; 4 kg if it is held on)."""
 BELOW_ZERO_SDS = 4.0
 APART_SDS = 6.0
 """Joints that are further apart than this, or agree only about a grasp that is so far off, cannot all be right."""
@@ -84,7 +86,12 @@ class Weighing:
 
 
 def weigh(
-    holds: Sequence[Hold], *, grasp_sd_m: float = 0.006, drifts: bool = False, resolution_nm: float = RESOLUTION_NM
+    holds: Sequence[Hold],
+    *,
+    grasp_sd_m: float = 0.006,
+    drifts: bool = False,
+    resolution_nm: float = RESOLUTION_NM,
+    payload_kg: float = PAYLOAD_KG,
 ) -> Weighing:
     """Estimate the mass of what is held.
 
@@ -98,12 +105,14 @@ def weigh(
         Whether to estimate a drift of each joint, linear in time. The holds then need time stamps.
     resolution_nm
         What the torque sensors can tell [Nm]; a step that is smaller is no slip, however little noise there is.
+    payload_kg
+        The most that the arm can hold [kg]; infinity for an arm of which it is not known.
 
     Returns
     -------
     Weighing
         Failed where samples are too few, not finite or cut off, where the object slipped while it was held, where
-        joints do not agree, or where the mass would be far below zero.
+        joints do not agree, or where the mass would be far below zero or above what the arm can hold.
 
     Raises
     ------
@@ -122,9 +131,17 @@ def weigh(
     for name, value in (("grasp_sd_m", grasp_sd_m), ("resolution_nm", resolution_nm)):
         if not 0 <= value < np.inf:
             raise EstimatorError(f"{name}: found {value}, expected a number of 0 or more")
+    if not payload_kg > 0:
+        raise EstimatorError(f"payload_kg: found {payload_kg}, expected a number above 0")
     try:
         parts = [_Part.of(place, hold, drifts, resolution_nm) for place, hold in enumerate(holds)]
-        return _solved(parts, grasp_sd_m, drifts, resolution_nm)
+        found = _solved(parts, grasp_sd_m, drifts, resolution_nm)
+        if found.mass_g > 1e3 * payload_kg:
+            raise SignalError(
+                f"the mass would be {found.mass_g / 1e3:.3g} kg, and the arm can hold {payload_kg:g} kg: torques or "
+                "levers are in another unit"
+            )
+        return found
     except SignalError as error:
         return Weighing(Failed(str(error)))
 

@@ -13,7 +13,7 @@ from palpate.estimators.signals import SignalError
 from palpate.estimators.sound import check_decay, features, impact
 from palpate.estimators.squeezing import Jaws, squeeze
 from palpate.estimators.vision import OnnxClassifier, read_model
-from palpate.estimators.weighing import Hold, weigh
+from palpate.estimators.weighing import PAYLOAD_KG, Hold, weigh
 from palpate.network.model import Network
 from palpate.network.properties import CategoricalProperty
 from palpate.outcomes import Failed, Outcome
@@ -41,6 +41,8 @@ class Hand:
     ----------
     grasp_sd_m
         SD of the offset of the grasp [m].
+    payload_kg
+        The most that the arm can hold [kg].
     limit_kpa
         Readings of elasticity above it are only known to be above [kPa].
     area_sd
@@ -50,6 +52,7 @@ class Hand:
     """
 
     grasp_sd_m: float = 0.006
+    payload_kg: float = PAYLOAD_KG
     limit_kpa: float = 95.0
     area_sd: float = 0.0
     width_sd_mm: float = 0.5
@@ -70,7 +73,7 @@ class Hand:
             )
             for hold in signals.holds
         ]
-        return weigh(holds, grasp_sd_m=self.grasp_sd_m).outcome
+        return weigh(holds, grasp_sd_m=self.grasp_sd_m, payload_kg=self.payload_kg).outcome
 
     def elasticity(self, signals: SqueezeSignals) -> Outcome:
         """Young's modulus of what was squeezed, in kPa."""
