@@ -86,8 +86,12 @@ def test_a_log_for_rerun_holds_beliefs_images_and_signals(run: Any, tmp_path: Pa
     assert ran.code == 0, ran.err
     assert len(chunk.RrdReader(path).blueprints()) == 1
     rows: Counter[str] = Counter()
+    held: dict[str, str] = {}
     for one in chunk.RrdReader(path).stream():
         rows[one.entity_path] += one.num_rows
+        held[one.entity_path] = str(one.to_record_batch().schema)
+    # a bar without a width is one unit wide, and not seen where bars are far apart
+    assert "BarChart:widths" in held["/belief/density"]
     # the prior, the step, and the end
     assert rows["/belief/material/foam"] == rows["/belief/elasticity"] == 3
     assert rows["/gains/squeezing"] == 1
@@ -103,6 +107,7 @@ class Window:
     running: bool = True
     shown: int = 0
     is_closed: bool = False
+    cam: Any = field(default_factory=lambda: SimpleNamespace(lookat=np.zeros(3)))
     opt: SimpleNamespace = field(default_factory=lambda: SimpleNamespace(geomgroup=[1] * 6))
 
     def is_running(self) -> bool:
@@ -175,3 +180,22 @@ def test_missing_packages_are_named(
     monkeypatch.setattr(f"{module}.find_spec", lambda _: None)
     file = tmp_path / {"--video": "episode.mp4", "--rerun": "episode.rrd"}[option]
     assert f'pip install "palpate[{name}]"' in run("explore", "banana", *BENCH, option, file).refused
+
+
+def test_the_window_shows_what_the_film_shows() -> None:
+    """Its camera, which a mouse can move, begins where the camera of the whole scene is, and looks the same way."""
+    from palpate.robots.mujoco.furniture import OVERVIEW
+    from palpate.robots.mujoco.scene import Scene
+    from palpate.robots.mujoco.viewer import look_as
+
+    import mujoco  # isort: skip
+
+    scene, free = Scene(None), mujoco.MjvCamera()
+    look_as(free, scene)
+    drawn, placed = mujoco.MjvScene(scene.model, 1000), scene.data.camera(OVERVIEW)
+    mujoco.mjv_updateScene(
+        scene.model, scene.data, mujoco.MjvOption(), None, free, mujoco.mjtCatBit.mjCAT_ALL.value, drawn
+    )
+    seen = drawn.camera[0]
+    np.testing.assert_allclose(seen.pos, placed.xpos, atol=0.05)
+    np.testing.assert_allclose(seen.forward, -placed.xmat.reshape(3, 3)[:, 2], atol=1e-5)

@@ -33,6 +33,8 @@ STEP, TIME = "step", "bench time"
 SCENE_SIZE, TICKS = (640, 480), 20
 """The scene is logged in this size, each so many hundredths of a second of its time."""
 QUALITY = 80
+SIGNALS = {"arm": "torques [N m]", "gripper": "gap [mm] and force [N]", "microphone": "microphone"}
+"""Raw signals of different scales, each kind in a view of its own."""
 
 
 def check_rerun() -> None:
@@ -135,7 +137,9 @@ class Rerunning:
                 # bars stand at even distances
                 x = np.linspace(summary.x[0], summary.x[-1], len(summary.x))
                 density = np.interp(x, summary.x, summary.density)
-                self._log.log(f"belief/{name}", self._rerun.BarChart(density, abscissa=x))
+                # a bar is one unit wide unless told, which hides bars that are further apart
+                widths = np.full(len(x), x[1] - x[0])
+                self._log.log(f"belief/{name}", self._rerun.BarChart(density, abscissa=x, widths=widths))
 
     def _see(self) -> None:
         if self._camera is None:
@@ -175,8 +179,13 @@ def _blueprint(network: Network) -> Blueprint:
     )
     below = parts.Horizontal(
         parts.TimeSeriesView(origin="gains", name="expected gain [bits]"),
-        parts.TimeSeriesView(origin="signals", name="raw signals"),
+        parts.Tabs(
+            *(parts.TimeSeriesView(origin=f"signals/{part}", name=name) for part, name in SIGNALS.items()),
+            name="raw signals",
+        ),
         parts.Spatial2DView(origin="camera", name="camera"),
     )
     right = parts.Vertical(parts.Grid(*beliefs, grid_columns=2), below, row_shares=[3, 1])
-    return parts.Blueprint(parts.Horizontal(left, right), parts.TimePanel(timeline=TIME), collapse_panels=True)
+    return parts.Blueprint(
+        parts.Horizontal(left, right), parts.TimePanel(state="collapsed", timeline=TIME), collapse_panels=True
+    )
