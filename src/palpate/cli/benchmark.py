@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from palpate.cli.calibrate import RobotKind
-from palpate.cli.task_options import WHAT, Resume, Scheduler, Seed, Workers
+from palpate.cli.spreading import spread
+from palpate.cli.task_options import WHAT, Running, Seed
 
 __all__ = ["benchmark"]
 
 
+@spread
 def benchmark(
+    running: Running,
     output: Annotated[
         Path, typer.Option("--output", "-o", help="Folder for the table, figures and the report.")
     ] = Path("benchmark"),
@@ -56,9 +59,6 @@ def benchmark(
         ),
     ] = "household-filled",
     seed: Seed = 0,
-    workers: Workers = None,
-    scheduler: Scheduler = None,
-    resume: Resume = False,
     figures_only: Annotated[
         bool, typer.Option("--figures-only", help="Draw figures and report again from the table of a finished run.")
     ] = False,
@@ -67,7 +67,7 @@ def benchmark(
     from palpate.cli import benchmarking, benchmarking_bench
 
     benchmarking.check_together(robot is RobotKind.MUJOCO, quick, calibration, objects, repetitions)
-    how: Any = {"workers": workers, "scheduler": scheduler, "resume": resume}
+    how = vars(running)
     if robot is RobotKind.MUJOCO and not figures_only:
         benchmarking_bench.run(network, repetitions or 10, seed, output, **how)
         benchmarking.tell(output)

@@ -11,7 +11,7 @@ import typer
 from palpate.cli.fit_options import How, OfStore, Tables
 from palpate.cli.spreading import spread
 from palpate.cli.store_options import Place
-from palpate.cli.task_options import WHAT, Resume, Scheduler, Seed, Workers
+from palpate.cli.task_options import WHAT, Running, Seed
 
 __all__ = ["RobotKind", "calibrate"]
 
@@ -33,6 +33,7 @@ def calibrate(
     output: Annotated[Path, typer.Option("--output", "-o", help="The TOML file to write.")],
     place: Place,
     of_store: OfStore,
+    running: Running,
     robot: Annotated[
         RobotKind | None,
         typer.Option(
@@ -64,9 +65,6 @@ def calibrate(
         Path | None,
         typer.Option(help="Folder in which outcomes are kept (default: beside the file, NAME-outcomes)."),
     ] = None,
-    workers: Workers = None,
-    scheduler: Scheduler = None,
-    resume: Resume = False,
     force: Annotated[bool, typer.Option("--force", help="Replace the file if there is one.")] = False,
     pseudo_count: Annotated[float, typer.Option(help="Added to each count of a table.", rich_help_panel=HOW)] = 0.2,
     folds: Annotated[
@@ -90,9 +88,7 @@ def calibrate(
         times=times,
         seed=seed,
         folder=outcomes or output.with_name(f"{output.stem}-outcomes"),
-        workers=workers,
-        scheduler=scheduler,
-        resume=resume,
+        **vars(running),
     )
     measured.check_beside(place, of_store)
     source: DataFrom = measured if robot is not None else From(place, of_store, Tables())

@@ -7,12 +7,15 @@ from typing import Annotated
 
 import typer
 
-from palpate.cli.task_options import WHAT, Resume, Scheduler, Seed, Workers
+from palpate.cli.spreading import spread
+from palpate.cli.task_options import WHAT, Running, Seed
 
 __all__ = ["reproduce"]
 
 
+@spread
 def reproduce(
+    running: Running,
     output: Annotated[Path, typer.Option("--output", "-o", help="Folder for tables, figures and the report.")] = Path(
         "reproduction"
     ),
@@ -52,9 +55,6 @@ def reproduce(
         ),
     ] = None,
     seed: Seed = 0,
-    workers: Workers = None,
-    scheduler: Scheduler = None,
-    resume: Resume = False,
     figures_only: Annotated[
         bool, typer.Option("--figures-only", help="Draw figures and report again from the tables of a finished run.")
     ] = False,
@@ -73,5 +73,5 @@ def reproduce(
             data=data,
             seed=seed,
         )
-        reproducing.run(planned, output, workers=workers, scheduler=scheduler, resume=resume)
+        reproducing.run(planned, output, **vars(running))
     reproducing.tell(output)
