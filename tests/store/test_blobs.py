@@ -10,7 +10,7 @@ from palpate.store import blobs as store_blobs
 from palpate.store import bucket, durable
 from palpate.store.blobs import Blobs, FolderBlobs
 from palpate.store.errors import DamagedError, StoreError, UnavailableError, UnreadableError
-from tests.store.places import blobs_of, check_services
+from tests.store.places import blobs_of, check_services, damage
 
 DATA = b"a picture"
 DIGEST = sha256(DATA).hexdigest()
@@ -45,6 +45,29 @@ def test_what_is_missing_or_set_aside_is_never_returned(blobs: Blobs) -> None:
     assert blobs.get(DIGEST) == DATA
     assert blobs.remove(DIGEST)
     assert not list(blobs.all())
+
+
+def test_parts_come_back(blobs: Blobs) -> None:
+    """Pieces are those from one place to another; what is missing or cut short is an error and no fewer bytes."""
+    data = bytes(range(250)) * 10_000
+    digest = sha256(data).hexdigest()
+    with pytest.raises(DamagedError, match=f"blob {digest}: is missing"):
+        blobs.size_bytes(digest)
+    with pytest.raises(DamagedError, match=f"blob {digest}: is missing"):
+        list(blobs.pieces(digest, 0, 3))
+    blobs.put(digest, data)
+    assert blobs.size_bytes(digest) == len(data)
+    for start, end in ((0, len(data)), (5, 5), (1, 2), (store_blobs.PIECE_BYTES - 1, len(data))):
+        pieces = list(blobs.pieces(digest, start, end))
+        assert b"".join(pieces) == data[start:end]
+        # a store in memory gives at once what it has there
+        assert (
+            getattr(blobs, "url", "").startswith("memory:")
+            or max(map(len, pieces), default=0) <= 2 * store_blobs.PIECE_BYTES
+        )
+    damage(blobs, digest, data[:1000])
+    with pytest.raises(DamagedError, match=f"blob {digest}: ends 10 bytes early"):
+        list(blobs.pieces(digest, 990, 1010))
 
 
 def test_only_what_is_old_is_removed(blobs: Blobs) -> None:

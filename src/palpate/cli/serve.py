@@ -28,6 +28,9 @@ def serve(
     public: Annotated[
         str | None, typer.Option(metavar="URL", help="Address by which people reach it, where a proxy passes them on.")
     ] = None,
+    signed_urls: Annotated[
+        bool, typer.Option("--signed-urls", help="Send who may see a file to the bucket that has it, for a minute.")
+    ] = False,
     log: Annotated[bool, typer.Option("--log", help="Print each request as a line of JSON to standard error.")] = False,
     rate: Annotated[
         float | None,
@@ -43,7 +46,7 @@ def serve(
 
     address, reached = Address(host, port), None if public is None else PublicAddress.of(public)
     alone = address.is_local and reached is None
-    ready_store(place, example=example)
+    ready_store(place, example=example, signed_urls=signed_urls)
     settings = Settings(
         place.place,
         place.blobs,
@@ -51,6 +54,7 @@ def serve(
         key=local_key() if alone else None,
         requests_per_s=rate or (None if alone else 50.0),
         secure=reached is not None and reached.is_secure,
+        signed_urls=signed_urls,
         log_requests=log,
     )
     tell(settings, address if reached is None else reached)

@@ -6,22 +6,41 @@ import sys
 from typing import TYPE_CHECKING
 
 from palpate.cli.store_options import Place
+from palpate.errors import PalpateError
 
 if TYPE_CHECKING:
     from palpate.server.running import Address, PublicAddress
     from palpate.server.settings import Settings
+    from palpate.store.blobs import Blobs
 
 __all__ = ["ready_store", "tell"]
 
 
-def ready_store(place: Place, *, example: bool) -> None:
-    """Make the store where there is none, before workers do so at once; add the example data where that is asked."""
+def ready_store(place: Place, *, example: bool, signed_urls: bool) -> None:
+    """Make the store where there is none, before workers do so at once; add the example data where that is asked.
+
+    Raises
+    ------
+    PalpateError
+        If addresses in a bucket shall be signed, and there is no bucket or no key to do it with.
+    """
     with place.opened(make=True) as store:
+        if signed_urls:
+            check_signing(store.blobs)
         if example:
             from palpate.server.example import add_example
 
             print("adding the example data ...", file=sys.stderr)
             add_example(store)
+
+
+def check_signing(blobs: Blobs) -> None:
+    """Refuse to begin what would fail at the first file."""
+    from palpate.store.bucket import BucketBlobs
+
+    if not isinstance(blobs, BucketBlobs):
+        raise PalpateError("--signed-urls: the blobs are in a folder, expected a bucket such as --blobs s3://lab/blobs")
+    blobs.signed_url("0" * 64, 1.0, "application/octet-stream", "attachment")
 
 
 def tell(settings: Settings, address: Address | PublicAddress) -> None:

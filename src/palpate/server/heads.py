@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-__all__ = ["HeadAsGet"]
+__all__ = ["HeadAsGet", "is_head"]
+
+IS_HEAD = "palpate.is_head"
+
+
+def is_head(connection: HTTPConnection) -> bool:
+    """Whether only the headers of the answer are sent, so that a large body need not be read."""
+    return IS_HEAD in connection.scope
 
 
 class HeadAsGet:
@@ -25,4 +33,4 @@ class HeadAsGet:
                 # the answer ends here, however long what it is of goes on
                 await send({"type": "http.response.body", "body": b"", "more_body": False})
 
-        await self.app({**scope, "method": "GET"}, receive, send_headers)
+        await self.app({**scope, "method": "GET", IS_HEAD: True}, receive, send_headers)

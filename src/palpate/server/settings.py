@@ -35,6 +35,8 @@ class Settings:
         From one address in the long run; without a limit where it is None.
     secure
         Whether people reach it over TLS, so that their browsers are told to insist on it.
+    signed_urls
+        Whether who may see a file is sent to the bucket that has it, where the blobs are in one.
     log_requests
         Whether each request is a line of JSON on standard error.
     """
@@ -49,6 +51,7 @@ class Settings:
     largest_body_bytes: int = 1 << 20
     requests_per_s: float | None = 50.0
     secure: bool = False
+    signed_urls: bool = False
     log_requests: bool = False
 
     def to_environment(self) -> None:

@@ -8,7 +8,7 @@ import os
 import re
 import tempfile
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
 from typing import Protocol
@@ -20,6 +20,7 @@ from palpate.store.errors import DamagedError, StoreError, UnavailableError, Unr
 __all__ = ["Blobs", "FolderBlobs", "is_digest"]
 
 DRAFT = ".draft-"
+PIECE_BYTES = 1 << 20
 DAMAGED = ".damaged"
 LEAVING = ".leaving"
 SPOILT = (errno.EIO, errno.EISDIR, errno.ENOTDIR)
@@ -43,6 +44,20 @@ class Blobs(Protocol):
         ------
         DamagedError
             If they are missing or others than were written.
+        UnreadableError
+            If these may not be read.
+        """
+
+    def size_bytes(self, digest: str) -> int:
+        """How many bytes there are; raises as `get`, but of others than were written only where they are gone."""
+
+    def pieces(self, digest: str, start: int, end: int) -> Iterator[bytes]:
+        """The bytes from one place to another, piece by piece, so that few are in memory; they are not verified.
+
+        Raises
+        ------
+        DamagedError
+            If there are fewer.
         UnreadableError
             If these may not be read.
         """
@@ -116,8 +131,30 @@ class FolderBlobs:
 
     def get(self, digest: str) -> bytes:
         """The bytes of a digest, verified."""
-        try:
+        with self._told(digest):
             data = self._path(digest).read_bytes()
+        return verified(digest, data, str(self.folder))
+
+    def size_bytes(self, digest: str) -> int:
+        """How many bytes there are."""
+        with self._told(digest):
+            return self._path(digest).stat().st_size
+
+    def pieces(self, digest: str, start: int, end: int) -> Iterator[bytes]:
+        """The bytes from one place to another, piece by piece; they are not verified."""
+        with self._told(digest), self._path(digest).open("rb") as opened:
+            opened.seek(start)
+            while start < end:
+                piece = opened.read(min(PIECE_BYTES, end - start))
+                if not piece:
+                    raise cut_short(digest, end - start, str(self.folder))
+                start += len(piece)
+                yield piece
+
+    @contextmanager
+    def _told(self, digest: str) -> Iterator[None]:
+        try:
+            yield
         except FileNotFoundError:
             raise DamagedError(f"blob {digest}: is missing in {self.folder}") from None
         except OSError as error:
@@ -125,7 +162,6 @@ class FolderBlobs:
             if error.errno in SPOILT:
                 raise DamagedError(f"{told}, expected what was written") from None
             raise UnreadableError(f"{told}, expected a file that can be read") from None
-        return verified(digest, data, str(self.folder))
 
     def all(self) -> Iterator[tuple[str, float]]:
         """Each digest with the time it was written [s since 1970]; files with other names are not ours."""
@@ -188,6 +224,11 @@ def verified(digest: str, data: bytes, place: str) -> bytes:
     return data
 
 
+def cut_short(digest: str, missing: int, place: str) -> DamagedError:
+    """The error of bytes that end before they should."""
+    return DamagedError(f"blob {digest}: ends {missing} bytes early in {place}, expected what was written")
+
+
 def _renewed(path: Path) -> bool:
     """Whether there is a file, which counts as written now then."""
     try:
@@ -203,5 +244,5 @@ def _pieces(data: bytes | Path) -> Iterator[bytes]:
         yield data
         return
     with data.open("rb") as opened:
-        while piece := opened.read(1 << 20):
+        while piece := opened.read(PIECE_BYTES):
             yield piece

@@ -6,14 +6,17 @@ import math
 import os
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from palpate.errors import extra
-from palpate.store.blobs import DAMAGED, is_digest, verified
+from palpate.store.blobs import DAMAGED, PIECE_BYTES, cut_short, is_digest, verified
 from palpate.store.bucket_errors import NotThereError, told
 from palpate.store.content import file_digest
 from palpate.store.errors import DamagedError, StoreError
+from palpate.store.signing import signed_again
 
 if TYPE_CHECKING:
     from obstore.store import ClientConfig
@@ -21,6 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["BucketBlobs"]
 
 RENEWED_S = 12 * 3600.0
+SECRET = "AWS_SECRET_ACCESS_KEY"
 ENDPOINTS = ("AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL", "AWS_ENDPOINT")
 
 
@@ -66,12 +70,30 @@ class BucketBlobs:
         """The bytes of a digest, verified."""
         import obstore
 
-        try:
-            with told(self.url):
-                data = bytes(obstore.get(self._store, _key(digest)).bytes())
-        except NotThereError:
-            raise DamagedError(f"blob {digest}: is missing in {self.url}") from None
+        with self._told(digest):
+            data = bytes(obstore.get(self._store, _key(digest)).bytes())
         return verified(digest, data, self.url)
+
+    def size_bytes(self, digest: str) -> int:
+        """How many bytes there are."""
+        import obstore
+
+        with self._told(digest):
+            return obstore.head(self._store, _key(digest))["size"]
+
+    def pieces(self, digest: str, start: int, end: int) -> Iterator[bytes]:
+        """The bytes from one place to another, piece by piece; they are not verified."""
+        import obstore
+
+        if start >= end:
+            return
+        with self._told(digest):
+            found = obstore.get(self._store, _key(digest), options={"range": (start, end)})
+            for piece in found.stream(min_chunk_size=PIECE_BYTES):
+                start += len(piece)
+                yield bytes(piece)
+        if start < end:
+            raise cut_short(digest, end - start, self.url)
 
     def all(self) -> Iterator[tuple[str, float]]:
         """Each digest with the time it was written [s since 1970]; objects with other names are not ours."""
@@ -103,6 +125,33 @@ class BucketBlobs:
         if self._written(digest) is not None:
             with told(self.url):
                 obstore.rename(self._store, _key(digest), _key(digest) + DAMAGED)
+
+    def signed_url(self, digest: str, seconds: float, media_type: str, disposition: str) -> str:
+        """An address at which anybody gets the bytes for a while, with these headers and no others.
+
+        Raises
+        ------
+        StoreError
+            If there are no keys in the environment to sign with.
+        """
+        import obstore
+        from obstore.store import S3Store
+
+        secret = os.environ.get(SECRET)
+        if not isinstance(self._store, S3Store) or not secret:
+            raise StoreError(f"blobs {self.url!r}: cannot be signed for, expected a bucket of S3 and {SECRET}")
+        with told(self.url):
+            url = obstore.sign(self._store, "GET", _key(digest), timedelta(seconds=seconds))
+        more = {"response-content-type": media_type, "response-content-disposition": disposition}
+        return signed_again(url, more, secret)
+
+    @contextmanager
+    def _told(self, digest: str) -> Iterator[None]:
+        try:
+            with told(self.url):
+                yield
+        except NotThereError:
+            raise DamagedError(f"blob {digest}: is missing in {self.url}") from None
 
     def _written(self, digest: str) -> float | None:
         """When it was written [s since 1970]; None where it is not there."""

@@ -24,7 +24,7 @@ from palpate.store.seals import sealed_document
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
 
-__all__ = ["Head", "SeriesInfo", "StoredFile", "file_of", "head_of", "log_of", "series_of"]
+__all__ = ["Head", "SeriesInfo", "StoredFile", "head_of", "log_of", "series_of"]
 
 
 @dataclass(frozen=True)
@@ -137,13 +137,6 @@ def series_of(store: Store, head: Head, position: int) -> Series | None:
             return None
         packed = from_row_or_blob(row.data, row.blob, store.blobs) or b""
         return unpack_series(row.name, parsed_layout(row.digest, row.document), packed)
-
-
-def file_of(store: Store, head: Head, position: int) -> bytes | None:
-    """What is in a file, verified; None where there is none at that position."""
-    if not 0 <= position < len(head.files):
-        return None
-    return store.blobs.get(head.files[position].sha256)
 
 
 def log_of(store: Store, head: Head) -> str:

@@ -6,15 +6,20 @@ no particular type. Nothing of it may run: not here, and not when opened by itse
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from typing import Protocol
 from urllib.parse import quote
 
 from fastapi import Request
-from fastapi.responses import Response
+from fastapi.responses import Response, StreamingResponse
 
-from palpate.server.problems import problem
+from palpate.server.api.ranges import is_known, wanted_range
+from palpate.server.heads import is_head
+from palpate.server.state import state_of
+from palpate.store.bucket import BucketBlobs
+from palpate.store.stored_bytes import StoredBytes
 
-__all__ = ["download", "safe_type"]
+__all__ = ["BEGINNING_BYTES", "NO_TYPE", "download", "safe_type", "stored_download"]
 
 SHOWN: Mapping[str, tuple[tuple[int, bytes], ...]] = {
     "image/png": ((0, b"\x89PNG\r\n\x1a\n"),),
@@ -28,6 +33,43 @@ SHOWN: Mapping[str, tuple[tuple[int, bytes], ...]] = {
 """What may be shown, and how it begins."""
 SAME = {"image/jpg": "image/jpeg", "audio/x-wav": "audio/wav", "audio/wave": "audio/wav", "audio/vnd.wave": "audio/wav"}
 NO_TYPE = "application/octet-stream"
+BEGINNING_BYTES = 16
+SIGNED_FOR_S = 60
+"""How long an address in the bucket may be used; what has begun goes on."""
+
+
+class Content(Protocol):
+    """Bytes that can be read in part."""
+
+    @property
+    def size(self) -> int:
+        """How many there are."""
+
+    def beginning(self, count: int) -> bytes:
+        """The first ones."""
+
+    def pieces(self, start: int, end: int) -> Iterator[bytes]:
+        """Those from one place to another."""
+
+
+class Made:
+    """Bytes that were made for one answer."""
+
+    def __init__(self, data: bytes) -> None:
+        self._data = data
+
+    @property
+    def size(self) -> int:
+        """How many there are."""
+        return len(self._data)
+
+    def beginning(self, count: int) -> bytes:
+        """The first ones."""
+        return self._data[:count]
+
+    def pieces(self, start: int, end: int) -> Iterator[bytes]:
+        """Those from one place to another."""
+        yield self._data[start:end]
 
 
 def safe_type(stated: str, data: bytes) -> str:
@@ -44,45 +86,52 @@ def safe_type(stated: str, data: bytes) -> str:
     return kind if fits else NO_TYPE
 
 
+def stored_download(request: Request, name: str, stated: str, digest: str) -> Response:
+    """What is in the blobs, or a part of it; where the server may, the address in the bucket at which it is."""
+    state = state_of(request)
+    blobs = state.store.blobs
+    content = StoredBytes(blobs, digest)
+    # a page may show pictures and sounds of this site only
+    is_shown = safe_type(stated, content.beginning(BEGINNING_BYTES)) != NO_TYPE
+    # an address that is signed for GET answers nothing else
+    if is_shown or is_head(request) or not (state.settings.signed_urls and isinstance(blobs, BucketBlobs)):
+        return _answer(request, content, name, stated, digest)
+    url = blobs.signed_url(digest, SIGNED_FOR_S, NO_TYPE, _disposition("attachment", name))
+    return Response(None, 307, {"Location": url, "Cache-Control": "no-store"})
+
+
 def download(request: Request, data: bytes, name: str, stated: str, digest: str) -> Response:
     """Bytes, or the part of them that a header ``Range`` asks for."""
-    kind = safe_type(stated, data)
-    shown = "inline" if kind != NO_TYPE else "attachment"
+    return _answer(request, Made(data), name, stated, digest)
+
+
+def _answer(request: Request, content: Content, name: str, stated: str, digest: str) -> Response:
+    kind, size = safe_type(stated, content.beginning(BEGINNING_BYTES)), content.size
     headers = {
-        "Content-Disposition": f"{shown}; filename*=UTF-8''{quote(_plain_name(name), safe='')}",
+        "Content-Disposition": _disposition("inline" if kind != NO_TYPE else "attachment", name),
         "Content-Security-Policy": "default-src 'none'; sandbox",
         "Accept-Ranges": "bytes",
         "ETag": f'"{digest}"',
         # what is under a digest never changes, but who may see it can
         "Cache-Control": "private, no-cache",
     }
-    if request.headers.get("if-none-match") == headers["ETag"]:
+    if is_known(request.headers, headers["ETag"]):
         return Response(None, 304, headers)
-    asked = _range(request.headers.get("range"), len(data))
-    if asked is None:
-        return Response(data, 200, headers, kind)
-    start, end = asked
-    return Response(data[start:end], 206, {**headers, "Content-Range": f"bytes {start}-{end - 1}/{len(data)}"}, kind)
+    asked = wanted_range(request.headers, headers["ETag"], size)
+    start, end = asked or (0, size)
+    headers["Content-Length"] = str(end - start)
+    if asked is not None:
+        headers["Content-Range"] = f"bytes {start}-{end - 1}/{size}"
+    status = 200 if asked is None else 206
+    if is_head(request):
+        return Response(None, status, headers, kind)
+    return StreamingResponse(content.pieces(start, end), status, headers, kind)
+
+
+def _disposition(shown: str, name: str) -> str:
+    return f"{shown}; filename*=UTF-8''{quote(_plain_name(name), safe='')}"
 
 
 def _plain_name(name: str) -> str:
     """The last part of a name, as programs propose it as a file's."""
     return name.replace("\\", "/").rsplit("/", 1)[-1] or "file"
-
-
-def _range(header: str | None, size: int) -> tuple[int, int] | None:
-    """Where one range begins and ends; None where all is asked for, or several parts, which are answered by all."""
-    if header is None or not header.startswith("bytes=") or "," in header:
-        return None
-    first, dash, last = header.removeprefix("bytes=").strip().partition("-")
-    if not dash or not all(part.isascii() and (part.isdigit() or not part) for part in (first, last)):
-        return None
-    if len(first) > 18 or len(last) > 18 or not first + last:
-        return None
-    start = int(first) if first else max(0, size - int(last))
-    end = min(size, int(last) + 1) if first and last else size
-    if start >= end:
-        raise problem(
-            416, f"range: {header!r} is outside of {size} bytes", headers={"Content-Range": f"bytes */{size}"}
-        )
-    return start, end

@@ -9,7 +9,7 @@ from fastapi.responses import Response
 
 from palpate.server.api import plain
 from palpate.server.api.answers import answer, page
-from palpate.server.api.downloads import download
+from palpate.server.api.downloads import stored_download
 from palpate.server.api.models import Object, Page
 from palpate.server.api.parameters import Place, SeenThing, StoreOf
 from palpate.server.api.queries import ObjectQuery
@@ -36,9 +36,9 @@ def get_object(thing: SeenThing) -> Response:
 
 
 @router.get("/{dataset}/{name}/images/{position}", response_class=Response)
-def get_image(request: Request, store: StoreOf, thing: SeenThing, position: Place) -> Response:
+def get_image(request: Request, thing: SeenThing, position: Place) -> Response:
     """A picture of it."""
     if position >= len(thing.images):
         raise problem(404, f"object {thing.path}: has {len(thing.images)} images, and none at {position}")
     image = thing.images[position]
-    return download(request, store.blobs.get(image.sha256), image.name, image.media_type, image.sha256)
+    return stored_download(request, image.name, image.media_type, image.sha256)

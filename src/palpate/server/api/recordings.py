@@ -15,7 +15,7 @@ from starlette.datastructures import UploadFile
 
 from palpate.server.api import plain
 from palpate.server.api.answers import answer, page
-from palpate.server.api.downloads import download
+from palpate.server.api.downloads import stored_download
 from palpate.server.api.models import Batch, Digests, File, KnownRecordings, Page, Receipt, Recording, RecordingRow
 from palpate.server.api.parameters import Place, SeenRecording, StoreOf
 from palpate.server.api.queries import RecordingQuery
@@ -27,7 +27,7 @@ from palpate.server.security.who import Who, needs
 from palpate.server.state import state_of
 from palpate.store.importing.package import pack
 from palpate.store.listing import list_recordings
-from palpate.store.parts import file_of, log_of
+from palpate.store.parts import log_of
 from palpate.store.visible_episodes import recordings_of_digests
 
 __all__ = ["router"]
@@ -65,14 +65,20 @@ def list_files(head: SeenRecording) -> Response:
     return answer({"items": plain.files(head), "next": None})
 
 
-@router.get("/{key}/files/{position}", response_class=Response)
-def get_file(request: Request, store: StoreOf, head: SeenRecording, position: Place) -> Response:
-    """What is in a file, or a part of it (header ``Range``)."""
-    data = file_of(store, head, position)
-    if data is None:
+@router.get(
+    "/{key}/files/{position}",
+    response_class=Response,
+    responses={206: {"description": "A part of it."}, 307: {"description": "It is to be had there, for a minute."}},
+)
+def get_file(request: Request, head: SeenRecording, position: Place) -> Response:
+    """What is in a file, or a part of it (header ``Range``).
+
+    A server whose files are in a bucket may send one there.
+    """
+    if position >= len(head.files):
         raise problem(404, f"recording {head.id}: has {len(head.files)} files, and none at {position}")
     item = head.files[position]
-    return download(request, data, item.name, item.media_type, item.sha256)
+    return stored_download(request, item.name, item.media_type, item.sha256)
 
 
 @router.get("/{key}/package", response_class=Response, responses={200: {"content": UPLOAD}})

@@ -6,15 +6,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from palpate.server.api.downloads import NO_TYPE, safe_type
+from palpate.server.api.downloads import BEGINNING_BYTES, NO_TYPE, safe_type
 from palpate.server.api.series import is_sound
 from palpate.server.pages.shown import Shown, shown
 from palpate.server.plots.curves import channel_plot
 from palpate.server.plots.sounds import sound_in
 from palpate.server.plots.squeezes import FoundSqueeze, held_by, squeeze_of, squeeze_plot, squeeze_words
-from palpate.store.parts import Head, file_of, series_of
+from palpate.store.parts import Head, StoredFile, series_of
 from palpate.store.records import Channel, Series
 from palpate.store.store import Store
+from palpate.store.stored_bytes import StoredBytes
 
 __all__ = ["Signals", "found_squeeze", "shown_file", "shown_signals", "sound_of_file"]
 
@@ -79,9 +80,8 @@ def shown_file(store: Store, head: Head, place: int) -> dict[str, Any]:
     """A file, and whether it can be shown as a picture or heard, and drawn as a sound."""
     item = head.files[place]
     kind = item.media_type.partition("/")[0]
-    data = file_of(store, head, place) if kind in ("image", "audio") else None
-    is_safe = data is not None and len(data) <= LARGEST_SHOWN and safe_type(item.media_type, data) != NO_TYPE
-    sound = sound_in(data) if data is not None and is_safe and kind == "audio" and len(data) <= LARGEST_SOUND else None
+    is_safe = kind in ("image", "audio") and _may_be_shown(store, item)
+    sound = sound_of_file(store, head, place) if is_safe and kind == "audio" else None
     address = f"/recordings/{head.id}/files/{place}"
     return {
         "item": item,
@@ -94,5 +94,11 @@ def shown_file(store: Store, head: Head, place: int) -> dict[str, Any]:
 
 def sound_of_file(store: Store, head: Head, place: int) -> Channel | None:
     """The sound in a file; None where there is none."""
-    data = file_of(store, head, place)
-    return None if data is None or len(data) > LARGEST_SOUND else sound_in(data)
+    if not 0 <= place < len(head.files) or store.blobs.size_bytes(head.files[place].sha256) > LARGEST_SOUND:
+        return None
+    return sound_in(store.blobs.get(head.files[place].sha256))
+
+
+def _may_be_shown(store: Store, item: StoredFile) -> bool:
+    found = StoredBytes(store.blobs, item.sha256)
+    return found.size <= LARGEST_SHOWN and safe_type(item.media_type, found.beginning(BEGINNING_BYTES)) != NO_TYPE
