@@ -43,7 +43,7 @@ class Handler(BaseHTTPRequestHandler):
 
     def keep(self, body: bytes) -> None:
         with TemporaryDirectory() as folder:
-            found = unpack(io.BytesIO(body), Path(folder))
+            found = unpack(io.BytesIO(body), lambda: Path(folder))
         assert self.path == f"/api/recordings/{found.digest}"
         new = found.digest not in self.server.kept
         self.server.kept[found.digest] = found

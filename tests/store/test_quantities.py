@@ -1,3 +1,4 @@
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -6,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from palpate.network.units import unit_of
+from palpate.network.units import SHIPPED, unit_of
 from palpate.store import quantities
 from palpate.store.archive import export_archive
 from palpate.store.describing import change_thing
@@ -110,3 +111,9 @@ def test_an_archive_of_what_a_store_has_kept_is_restored(
         assert find_thing(other, recording.thing.id) == find_thing(store, recording.thing.id)
         assert list_units(other) == list_units(store)
         assert list(verify(other)) == []
+
+
+def test_units_of_known_quantities_ship() -> None:
+    """A store that is sent a common signal does not load pint for it, which takes a second."""
+    shipped = json.loads(SHIPPED.read_text(encoding="utf-8"))
+    assert {unit for units in QUANTITIES.values() for unit in units} <= shipped.keys()

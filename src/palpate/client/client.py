@@ -135,7 +135,7 @@ class Client(HttpReceiver):
                 shutil.copyfileobj(answer, package)
             package.seek(0)
             try:
-                found = unpack(package, Path(folder))
+                found = unpack(package, lambda: Path(folder))
             except StoreError as error:
                 raise self._connection.strange(f"no recording ({error})") from None
             if str(key).lower() not in (str(found.id), found.id.hex, found.digest):

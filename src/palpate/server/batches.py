@@ -76,8 +76,11 @@ class Sent:
         return self._theirs(recording_of(line))
 
     def _package(self, path: Path, number: int) -> Recording:
-        folder = self.folder / str(number)
-        folder.mkdir()
+        def folder() -> Path:
+            made = self.folder / str(number)
+            made.mkdir()
+            return made
+
         with path.open("rb") as opened:
             check_parts(opened)
             try:

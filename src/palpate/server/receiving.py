@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Sequence
+from contextlib import ExitStack, asynccontextmanager
 from pathlib import Path
 from tempfile import SpooledTemporaryFile, TemporaryDirectory
 from typing import IO
@@ -52,28 +52,37 @@ async def spooled(request: Request) -> AsyncIterator[IO[bytes]]:
 
 def receive(state: State, who: Account, digest: str, package: IO[bytes]) -> Receipt:
     """Keep the recording of a package, once it is what it says and whose it says."""
-    with TemporaryDirectory(prefix="palpate-upload-") as folder:
+    with ExitStack() as stack:
+        folders = list[str]()
+
+        def folder() -> Path:
+            folders.append(stack.enter_context(TemporaryDirectory(prefix="palpate-upload-")))
+            return Path(folders[-1])
+
         try:
             check_parts(package)
-            recording = unpack(package, Path(folder), largest_bytes=state.settings.largest_unpacked_bytes)
+            recording = unpack(package, folder, largest_bytes=state.settings.largest_unpacked_bytes)
             _check(recording, who, digest)
             return state.store.put(recording, uploader=who.name)
         except UnavailableError:
             raise
         except DamagedError as error:
             # it is what was sent that is damaged, and not what is stored
-            raise problem_of_store(_told(error, folder)) from None
+            raise problem_of_store(_told(error, folders)) from None
         except StoreError as error:
-            raise problem_of_store(_told(error, folder)) from None
+            raise problem_of_store(_told(error, folders)) from None
         except (MemoryError, RecursionError, OverflowError):
             raise problem(
                 422, "package: holds numbers that are too large or values that are nested too deeply"
             ) from None
 
 
-def _told(error: StoreError, folder: str) -> StoreError:
-    """The same without the name of a folder of this server."""
-    return StoreError(str(error).replace(folder + "/", "").replace(folder, "package"))
+def _told(error: StoreError, folders: Sequence[str]) -> StoreError:
+    """The same without the names of folders of this server."""
+    said = str(error)
+    for folder in folders:
+        said = said.replace(folder + "/", "").replace(folder, "package")
+    return StoreError(said)
 
 
 def _check(recording: Recording, who: Account, digest: str) -> None:

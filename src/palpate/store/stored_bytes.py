@@ -33,9 +33,12 @@ class StoredBytes:
     --------
     >>> from pathlib import Path
     >>> from palpate.store.blobs import FolderBlobs
-    >>> blobs, digest = FolderBlobs(Path("blobs")), sha256(b"a picture").hexdigest()
-    >>> blobs.put(digest, b"a picture")
-    >>> found = StoredBytes(blobs, digest)
+    >>> from tempfile import TemporaryDirectory
+    >>> digest = sha256(b"a picture").hexdigest()
+    >>> with TemporaryDirectory() as folder:
+    ...     blobs = FolderBlobs(Path(folder))
+    ...     blobs.put(digest, b"a picture")
+    ...     found = StoredBytes(blobs, digest)
     >>> found.size, found.beginning(1), b"".join(found.pieces(2, 9))
     (9, b'a', b'picture')
     """

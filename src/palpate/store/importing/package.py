@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import struct
 import zlib
+from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import IO
@@ -12,13 +13,16 @@ from zipfile import ZIP_DEFLATED, BadZipFile, ZipFile
 
 from palpate.store.errors import StoreError
 from palpate.store.importing.folder import write_folder
-from palpate.store.importing.reading_folder import read_folder
+from palpate.store.importing.kept import Folder, InMemory, Kept
+from palpate.store.importing.reading_folder import read_kept
 from palpate.store.records import Recording
 
 __all__ = ["LARGEST_BYTES", "pack", "unpack"]
 
 LARGEST_BYTES = 4 << 30
 """What a package may hold at most when it is unpacked, unless told."""
+IN_MEMORY_BYTES = 1 << 20
+"""What is unpacked into memory: making and removing files takes longer than all else there is to do."""
 
 
 def pack(recording: Recording, file: IO[bytes]) -> None:
@@ -30,13 +34,14 @@ def pack(recording: Recording, file: IO[bytes]) -> None:
             package.write(path, path.name)
 
 
-def unpack(file: IO[bytes], folder: Path, *, largest_bytes: int = LARGEST_BYTES) -> Recording:
+def unpack(file: IO[bytes], folder: Callable[[], Path], *, largest_bytes: int = LARGEST_BYTES) -> Recording:
     """Read a package that anybody may have sent.
 
     Parameters
     ----------
     folder
-        An empty folder, where the files of the recording are until they are read.
+        Gives an empty folder, where the files of a large recording are until they are read; those of a small one are
+        in memory, and none is asked for.
 
     Raises
     ------
@@ -51,11 +56,28 @@ def unpack(file: IO[bytes], folder: Path, *, largest_bytes: int = LARGEST_BYTES)
             for item in package.infolist():
                 if Path(item.filename).name != item.filename or "\\" in item.filename or ":" in item.filename:
                     raise StoreError(f"package: the name {item.filename!r} has folders in it, expected plain names")
-                # a package that says it is smaller than it is ends in BadZipFile
-                with package.open(item) as source, (folder / item.filename).open("xb") as target:
-                    shutil.copyfileobj(source, target)
+            kept = _in_memory(package) if total <= IN_MEMORY_BYTES else _in_folder(package, folder())
     except (BadZipFile, EOFError, FileExistsError, RuntimeError, ValueError, struct.error, zlib.error) as error:
         if isinstance(error, StoreError):
             raise
         raise StoreError(f"package: cannot be unpacked ({error}), expected a zip of one recording") from error
-    return read_folder(folder)
+    return read_kept(kept)
+
+
+def _in_memory(package: ZipFile) -> Kept:
+    found = dict[str, bytes]()
+    for item in package.infolist():
+        if item.filename in found:
+            raise FileExistsError(f"two files are called {item.filename!r}")
+        with package.open(item) as source:
+            # no more than it says it has, as whole it may be unpacked to anything; CRC-32 tells where that is wrong
+            found[item.filename] = source.read(item.file_size + 1)
+    return InMemory(found)
+
+
+def _in_folder(package: ZipFile, folder: Path) -> Kept:
+    for item in package.infolist():
+        # a package that says it is smaller than it is ends in BadZipFile
+        with package.open(item) as source, (folder / item.filename).open("xb") as target:
+            shutil.copyfileobj(source, target)
+    return Folder(folder)
