@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from anyio.to_thread import current_default_thread_limiter
 from fastapi import APIRouter, FastAPI
 from starlette.middleware import Middleware
 
@@ -35,6 +36,10 @@ PARTS = (corrections, objects, recordings, series, results, setups, episodes, sh
 PROBLEMS: dict[int | str, dict[str, Any]] = {status: {"model": Problem} for status in (401, 403, 404, 422, 429, 503)}
 BURST_S = 20.0
 """An address may ask at once what it may ask in so many seconds."""
+THREADS = 12
+"""More of them only wait for each other; for each there is a connection to the database."""
+CACHE_BYTES = 8 << 20
+"""What each of these keeps of an SQLite file, so that all together stay small."""
 ABOUT = "Measurements of the physical properties of objects: what was measured, with what, and how sure it is."
 
 
@@ -46,6 +51,7 @@ def application(store: Store, settings: Settings | None = None) -> FastAPI:
     @asynccontextmanager
     async def open_until_stopped(_: FastAPI) -> AsyncIterator[None]:
         sweeping = asyncio.create_task(previews.watch())
+        current_default_thread_limiter().total_tokens = THREADS
         yield
         sweeping.cancel()
         with suppress(asyncio.CancelledError):
@@ -80,7 +86,7 @@ def from_environment() -> FastAPI:
     """The application that the environment describes: what each worker runs."""
     settings = Settings.from_environment()
     watching.start_log(requests=settings.log_requests)
-    return application(open_store(settings.place, settings.blobs), settings)
+    return application(open_store(settings.place, settings.blobs, cache_bytes=CACHE_BYTES), settings)
 
 
 def _middleware(settings: Settings) -> list[Middleware]:

@@ -37,13 +37,16 @@ LATEST = "0004"
 MIGRATIONS = Path(__file__).parent / "migrations"
 WAIT_S = 30
 PAGE_BYTES = 16384
+CACHE_BYTES = 64 << 20
+CONNECTIONS = 12
+"""Kept open, and as many more for a while: for each thread of a server one, and another one within."""
 # 64 MiB of log before it is worked into the file
 CHECKPOINT_PAGES = 4096
 MIGRATION_LOCK, MERGE_LOCK = 0x70616C70, 0x70616C71
 """Any numbers that other programs on one PostgreSQL are unlikely to lock."""
 
 
-def connect(url: str, *, durable: bool = True) -> Engine:
+def connect(url: str, *, durable: bool = True, cache_bytes: int = CACHE_BYTES) -> Engine:
     """Make an engine.
 
     Parameters
@@ -54,6 +57,8 @@ def connect(url: str, *, durable: bool = True) -> Engine:
     durable
         Whether what was committed survives a loss of power; without, SQLite may lose the last commits then, and is
         faster. A killed program loses nothing in either case.
+    cache_bytes
+        What each connection to SQLite keeps in memory; the system keeps more.
 
     Raises
     ------
@@ -73,27 +78,39 @@ def connect(url: str, *, durable: bool = True) -> Engine:
     if address.get_backend_name() != "sqlite":
         found = f"store {address!r}: found {address.drivername!r}"
         raise StoreError(f"{found}, expected a path, sqlite:///... or postgresql+psycopg://...")
-    return _sqlite(address, durable=durable)
+    return _sqlite(address, durable=durable, cache_bytes=cache_bytes)
 
 
 def _postgresql(address: URL) -> Engine:
     try:
         # whatever the encoding of the database, what is sent and read is text
-        engine = create_engine(address, pool_pre_ping=True, connect_args={"client_encoding": "utf8"})
+        engine = create_engine(
+            address,
+            pool_size=CONNECTIONS,
+            max_overflow=CONNECTIONS,
+            pool_pre_ping=True,
+            connect_args={"client_encoding": "utf8"},
+        )
     except ImportError as error:
         raise StoreError(f"store {address!r}: needs psycopg, which is not installed: {extra('postgresql')}") from error
     tell_outages(engine)
     return engine
 
 
-def _sqlite(address: URL, *, durable: bool) -> Engine:
+def _pool(address: URL) -> dict[str, Any]:
+    """How many connections there are; one in memory is all of the database."""
+    is_file = address.database not in (None, "", ":memory:")
+    return {"pool_size": CONNECTIONS, "max_overflow": CONNECTIONS, "pool_use_lifo": True} if is_file else {}
+
+
+def _sqlite(address: URL, *, durable: bool, cache_bytes: int) -> Engine:
     path = address.database
     uri = None if path in (None, "", ":memory:") else read_only_uri(Path(path))
     if uri is None:
-        engine = create_engine(address, connect_args={"timeout": WAIT_S})
+        engine = create_engine(address, connect_args={"timeout": WAIT_S}, **_pool(address))
     else:
         read = partial(sqlite3.connect, uri, uri=True, timeout=WAIT_S, check_same_thread=False)
-        engine = create_engine(address, creator=read)
+        engine = create_engine(address, creator=read, **_pool(address))
     tell_outages(engine)
     synchronous = "FULL" if durable else "NORMAL"
 
@@ -110,7 +127,7 @@ def _sqlite(address: URL, *, durable: bool) -> Engine:
             raise DamagedError(f"{told}; expected the SQLite file that was written") from None
         connection.execute(f"PRAGMA synchronous = {synchronous}")
         connection.execute("PRAGMA foreign_keys = ON")
-        connection.execute("PRAGMA cache_size = -65536")
+        connection.execute(f"PRAGMA cache_size = -{cache_bytes >> 10}")
         connection.execute(f"PRAGMA wal_autocheckpoint = {CHECKPOINT_PAGES}")
 
     @event.listens_for(engine, "begin")

@@ -9,7 +9,7 @@ from pathlib import Path
 from sqlalchemy import URL
 
 from palpate.store.blobs import Blobs, FolderBlobs
-from palpate.store.database import connect, is_store, up_to_date
+from palpate.store.database import CACHE_BYTES, connect, is_store, up_to_date
 from palpate.store.errors import StoreError
 from palpate.store.foreign import is_foreign
 from palpate.store.store import Store
@@ -22,6 +22,7 @@ def open_store(
     blobs: str | Path | None = None,
     *,
     durable: bool = True,
+    cache_bytes: int = CACHE_BYTES,
     make: bool = True,
     made: Callable[[str], object] = lambda _: None,
 ) -> Store:
@@ -35,7 +36,7 @@ def open_store(
     blobs
         Folder for large bytes, or ``s3://bucket/prefix``; from ``PALPATE_BLOBS`` unless given, else a folder beside
         the SQLite file.
-    durable
+    durable, cache_bytes
         See `palpate.store.database.connect`.
     make
         Whether one is made where there is none; who only reads does not want a new one for a name mistyped.
@@ -66,7 +67,7 @@ def open_store(
     if path is not None:
         _check_file(path, make=make)
         url = f"sqlite:///{path}"
-    engine = connect(url, durable=durable)
+    engine = connect(url, durable=durable, cache_bytes=cache_bytes)
     try:
         kept = _blobs(blobs or os.environ.get("PALPATE_BLOBS"), path)
         is_new = not is_store(engine)

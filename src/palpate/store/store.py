@@ -24,6 +24,7 @@ from palpate.store.outages import patiently
 from palpate.store.records import Receipt, Recording
 from palpate.store.registry import Lookup, NotRememberedError, Registry, now_us, units_in
 from palpate.store.rows import Prepared, counted, entry_rows, prepare
+from palpate.store.together import Together
 
 __all__ = ["Store"]
 
@@ -51,6 +52,7 @@ class Store:
         self._writing = writing(engine)
         self._statements = Statements(engine)
         self._registry = Registry()
+        self._together = Together[Prepared, Receipt](lambda batch: self._commit_or_again(batch, ATTEMPTS))
 
     def __enter__(self) -> Self:
         return self
@@ -117,7 +119,7 @@ class Store:
         prepared = [prepare(recording, self.blobs, uploader=uploader) for recording in batch]
         if known_wrong:
             prepared = [replace(one, is_known_wrong=one.recording.digest in known_wrong) for one in prepared]
-        return self._commit_or_again(prepared, ATTEMPTS)
+        return self._together.commit(prepared) if prepared else []
 
     def known(self, digests: Iterable[str]) -> set[str]:
         """Which of these digests are those of recordings that are there.
