@@ -1,10 +1,15 @@
 """Logging in with a browser."""
 
+from dataclasses import replace
+
+import pytest
 from fastapi.testclient import TestClient
 
 from palpate.server.app import application
 from palpate.server.security.accounts import Role, add_user, set_password, tokens
 from palpate.server.security.passwords import hashed, is_password
+from palpate.server.security.rates import Rate
+from palpate.server.security.tries import Tries
 from palpate.server.settings import Settings
 from palpate.store.store import Store
 from tests.store.made_up import squeeze
@@ -79,6 +84,21 @@ def test_passwords_are_not_guessed(client: TestClient, store: Store) -> None:
     assert codes[-1] == 429
     # also with the right one, or else it would be told by that
     assert log_in(client) == 429
+    # who sits elsewhere is not locked out
+    with TestClient(client.app, client=("192.0.2.7", 50000)) as elsewhere:
+        assert log_in(elsewhere) == 303
+
+
+@pytest.mark.parametrize("addresses", [["192.0.2.1"], ["2001:db8::1", "2001:db8::2"]])
+def test_one_password_is_not_tried_for_many_names(store: Store, addresses: list[str]) -> None:
+    """After some tries from one address, or from one network of IPv6, there are no more, whatever the name."""
+    app = application(store, Settings(requests_per_s=None))
+    app.state.palpate = replace(app.state.palpate, tries=Tries(of_address=Rate(per_s=0.01, burst=2)))
+    codes = []
+    for number in range(4):
+        client = TestClient(app, client=(addresses[number % len(addresses)], 50000))
+        codes.append(log_in(client, f"name {number}"))
+    assert codes == [403, 403, 429, 429]
 
 
 def test_the_store_does_not_know_passwords() -> None:

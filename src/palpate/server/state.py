@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 from starlette.requests import HTTPConnection
 
-from palpate.server.security.rates import Rate
+from palpate.server.security.tries import Tries
 from palpate.server.settings import Settings
 from palpate.store.store import Store
 
@@ -24,8 +24,7 @@ class State:
     store: Store
     settings: Settings
     previews: Previews
-    tries_of_name: Rate = field(default_factory=lambda: Rate(per_s=1 / 30, burst=10))
-    tries_of_address: Rate = field(default_factory=lambda: Rate(per_s=1 / 10, burst=30))
+    tries: Tries = field(default_factory=Tries)
 
 
 def state_of(connection: HTTPConnection) -> State:

@@ -75,14 +75,10 @@ def _found(request: Request, name: str, secret: str) -> Account:
     by_token = account_of(state.store, secret)
     if by_token is not None and by_token.name == name:
         return by_token
-    rates = ((state.tries_of_address, address_of(request)), (state.tries_of_name, name))
-    wait_s = max(rate.would_wait_s(key) for rate, key in rates)
-    if wait_s:
-        raise problem(429, "too many tries to log in; wait a little", headers={"Retry-After": str(int(wait_s) + 1)})
+    state.tries.check(request, name)
     found = _by_password(state.store, name, secret)
     if found is None:
-        for rate, key in rates:
-            rate.wait_s(key)
+        state.tries.count(request, name)
         raise _refused("the name or the password is wrong")
     return found
 
