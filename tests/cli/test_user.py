@@ -5,7 +5,9 @@ from pathlib import Path
 import pytest
 
 from palpate.cli import main
-from palpate.server.security.accounts import Account, Role, account_of, log_in
+from palpate.server.security.accounts import Account, Role, account_of, log_in, users
+from palpate.server.security.identities import account_name
+from palpate.server.security.single_sign_on import Identity
 from palpate.store.opening import open_store
 
 
@@ -63,3 +65,42 @@ def test_mistakes_exit_with_two(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert run("user", "add", "ann", "--store", place) == 0
     assert run("user", "token", "bob", "--store", place) == 2
     assert "'bob' has no account" in capsys.readouterr().err
+
+
+def test_an_account_is_linked_to_a_provider(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """When it is made or later; by an address or a subject that no other account has; half a subject is refused."""
+    place = str(tmp_path / "store.sqlite")
+    issuer = "https://login.example"
+    assert run("user", "add", "ann", "--email", "ann@example.org", "--store", place) == 0
+    assert run("user", "add", "bob", "--email", "ANN@example.org", "--store", place) == 2
+    assert "'ann' is known by that already" in capsys.readouterr().err
+    assert run("user", "link", "ann", "--oidc-subject", "s-1", "--store", place) == 2
+    assert "together with the address of the provider" in capsys.readouterr().err
+    monkeypatch.setenv("PALPATE_OIDC_ISSUER", issuer)
+    assert run("user", "link", "ann", "--oidc-subject", "s-1", "--store", place) == 0
+    # the variable alone says nothing of an account
+    assert run("user", "add", "carla", "--store", place) == 0
+    with open_store(place) as store:
+        assert [one.name for one in users(store)] == ["ann", "carla"]
+        assert account_name(store, Identity(issuer, "s-1", None), new_readers=False) == "ann"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["--oidc-issuer", "https://login.example"], "expected --oidc-client-id too"),
+        (["--oidc-client-id", "palpate"], "expected --oidc-issuer too"),
+        (["--oidc-new", "reader"], "expected --oidc-issuer and --oidc-client-id too"),
+        (["--oidc-issuer", "http://login.example", "--oidc-client-id", "a"], "expected an address that begins with"),
+    ],
+)
+def test_half_a_provider_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], told: str
+) -> None:
+    """Before anything is served or made."""
+    place = tmp_path / "store.sqlite"
+    assert run("serve", *arguments, "--store", str(place)) == 2
+    assert told in capsys.readouterr().err
+    assert not place.exists()

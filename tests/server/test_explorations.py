@@ -150,7 +150,7 @@ def nested(depth: int) -> Any:
 
 STATES = {"probabilities": {"a": 1.0}, "entropy_bits": 0.0}
 NUMBER = {"unit": "g", "mean": 1.0, "sd": 1.0, "entropy_bits": 1.0, "quantiles": {"0.05": 0, "0.5": 1, "0.95": 2}}
-ODD = {
+ODD: dict[str, dict[str, Any]] = {
     "no belief": {"belief": None},
     "a belief that is a list": {"belief": {"mass": []}},
     "no state": {"belief": {"material": {"probabilities": {}, "entropy_bits": 0.0}}},

@@ -3,16 +3,20 @@
 import json
 import signal
 from pathlib import Path
+from typing import Any
 from urllib.error import HTTPError
 from urllib.request import Request, urlopen
 
 import pytest
 
+import palpate
 from palpate.client import HttpReceiver, NotAllowedError, RefusedError
+from palpate.recording import Outcome, record
 from palpate.recording.spool import Spool
 from palpate.recording.uploading import upload
 from palpate.server.security.accounts import Role, add_user, issue
 from palpate.store.opening import open_store
+from palpate.store.records import ThingRef
 from tests.server.serving import served
 from tests.store.made_up import squeeze
 
@@ -78,3 +82,27 @@ def test_the_printed_key_opens_what_is_private(tmp_path: Path) -> None:
         asked = Request(f"{address}/api/v1/recordings", headers={"Cookie": f"palpate-key={key}"})
         assert squeeze().digest.encode() in urlopen(asked).read()
         assert squeeze().digest.encode() not in urlopen(f"{address}/api/v1/recordings").read()
+
+
+def test_what_a_recorder_says_by_default_arrives(tmp_path: Path) -> None:
+    """Private and without an owner: who has sent it sees it, and nobody else but administrators."""
+    place = tmp_path / "store.sqlite"
+    with open_store(place) as store:
+        for name, role in (("robot", Role.OWNER), ("bob", Role.OWNER), ("root", Role.ADMIN)):
+            add_user(store, name, role)
+        tokens = {name: issue(store, name) for name in ("robot", "bob", "root")}
+    spool = Spool(tmp_path / "spool", sync=False)
+
+    @record("weighing", thing=ThingRef("ycb", "025_mug"), spool=spool)
+    def weigh() -> Any:
+        return Outcome.normal("mass", 118.0, sd=2.0, unit="g")
+
+    weigh()
+    with served(place) as (address, _):
+        service = f"{address}/api/v1"
+        (sent,) = upload(spool, HttpReceiver(service, tokens["robot"]))
+        assert sent.state == "sent", sent
+        seen = {name: list(palpate.Client(service, token).recordings()) for name, token in tokens.items()}
+        assert [(one["owner"], one["visibility"]) for one in seen["robot"]] == [(None, "private")]
+        assert seen["root"] == seen["robot"]
+        assert seen["bob"] == []

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from palpate.cli.provider_options import ProviderOptions
 from palpate.cli.spreading import spread
 from palpate.cli.store_options import Place
 from palpate.errors import PalpateError, extra
@@ -19,6 +20,7 @@ NEEDED = ("fastapi", "uvicorn", "jinja2", "prometheus_client")
 @spread
 def serve(
     place: Place,
+    provider: ProviderOptions,
     host: Annotated[str, typer.Option(help="Address to listen at; others reach it only where this is not local.")] = (
         "127.0.0.1"
     ),
@@ -39,6 +41,7 @@ def serve(
 ) -> None:
     """Serve the store as pages and as a web service, until interrupted."""
     check_installed()
+    elsewhere = provider.settings()
     from palpate.cli.serving import ready_store, tell
     from palpate.server.running import Address, PublicAddress, local_key
     from palpate.server.running import serve as run
@@ -56,6 +59,7 @@ def serve(
         secure=reached is not None and reached.is_secure,
         signed_urls=signed_urls,
         log_requests=log,
+        **elsewhere,
     )
     tell(settings, address if reached is None else reached)
     run(settings, address, workers=workers)

@@ -30,6 +30,18 @@ class RoleName(StrEnum):
 RoleOption = Annotated[RoleName, typer.Option(help="What they may do; each may do what those before it may.")]
 
 
+Email = Annotated[
+    str | None, typer.Option(help="By it they are known to a provider of log-ins; for people who run the server too.")
+]
+Issuer = Annotated[
+    str | None,
+    typer.Option("--oidc-issuer", metavar="URL", envvar="PALPATE_OIDC_ISSUER", help="The provider of --oidc-subject."),
+]
+Subject = Annotated[
+    str | None, typer.Option("--oidc-subject", metavar="TEXT", help="Who they are to the provider, in its own words.")
+]
+
+
 @app.callback()
 def user() -> None:
     """Accounts of a server, and their tokens."""
@@ -44,14 +56,35 @@ def add(
     place: Place,
     name: Name,
     role: RoleOption = RoleName.OWNER,
-    email: Annotated[str | None, typer.Option(help="For people who run the server.")] = None,
+    email: Email = None,
+    issuer: Issuer = None,
+    subject: Subject = None,
 ) -> None:
     """Make an account, and print a token for it, which nobody can tell again."""
     from palpate.server.security.accounts import Role, add_user, issue
+    from palpate.server.security.identities import check_link, link
 
     with place.opened(make=True) as store:
-        add_user(store, name, Role.parse(role.value), email)
+        of = {"email": email, **_at_provider(issuer, subject)}
+        check_link(store, name, **of)
+        add_user(store, name, Role.parse(role.value))
+        link(store, name, **of)
         print(issue(store, name))
+
+
+@app.command("link")
+@spread
+def link(place: Place, name: Name, email: Email = None, issuer: Issuer = None, subject: Subject = None) -> None:
+    """Say by what a provider of log-ins knows an account."""
+    from palpate.server.security.identities import link as set_link
+
+    with place.opened() as store:
+        set_link(store, name, email=email, **_at_provider(issuer, subject))
+
+
+def _at_provider(issuer: str | None, subject: str | None) -> dict[str, str | None]:
+    """Both or none; the variable of the environment may be set for the server alone."""
+    return {"issuer": None if subject is None else issuer, "subject": subject}
 
 
 @app.command("role")

@@ -70,7 +70,7 @@ def application(store: Store, settings: Settings | None = None) -> FastAPI:
         lifespan=open_until_stopped,
         middleware=_middleware(settings),
     )
-    app.state.palpate = State(store, settings, previews)
+    app.state.palpate = State(store, settings, previews, settings.provider())
     install(app)
     app.include_router(watching.router)
     service = APIRouter(prefix=API, responses=PROBLEMS)

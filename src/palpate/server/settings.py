@@ -6,9 +6,13 @@ import json
 import os
 from dataclasses import asdict, dataclass
 
-__all__ = ["Settings"]
+from palpate.server.security.single_sign_on import Provider
+
+__all__ = ["OIDC_SECRET", "Settings"]
 
 VARIABLE = "PALPATE_SERVER"
+OIDC_SECRET = "PALPATE_OIDC_SECRET"
+"""The variable that holds the secret by which a provider knows this server; unset where it needs none."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +43,11 @@ class Settings:
         Whether who may see a file is sent to the bucket that has it, where the blobs are in one.
     log_requests
         Whether each request is a line of JSON on standard error.
+    oidc_issuer, oidc_client_id
+        The provider that logs people in beside passwords, and by which name it knows this server; its secret is in the
+        environment, as `OIDC_SECRET` names it.
+    oidc_new_readers
+        Whether who the provider knows and has no account gets one, as a reader.
     """
 
     place: str | None = None
@@ -53,10 +62,19 @@ class Settings:
     secure: bool = False
     signed_urls: bool = False
     log_requests: bool = False
+    oidc_issuer: str | None = None
+    oidc_client_id: str | None = None
+    oidc_new_readers: bool = False
 
     def to_environment(self) -> None:
         """Leave them for the workers."""
         os.environ[VARIABLE] = json.dumps(asdict(self))
+
+    def provider(self) -> Provider | None:
+        """Who else logs people in; nobody unless told."""
+        if self.oidc_issuer is None or self.oidc_client_id is None:
+            return None
+        return Provider(self.oidc_issuer, self.oidc_client_id, os.environ.get(OIDC_SECRET) or None)
 
     @classmethod
     def from_environment(cls) -> Settings:

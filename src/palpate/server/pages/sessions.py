@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from urllib.parse import urlsplit
+
 from fastapi import APIRouter, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
@@ -13,7 +15,7 @@ from palpate.server.security.sites import check_same_site, form_of
 from palpate.server.security.who import COOKIE, SESSION, Who
 from palpate.server.state import state_of
 
-__all__ = ["router"]
+__all__ = ["begin_session", "router"]
 
 router = APIRouter()
 
@@ -21,7 +23,7 @@ router = APIRouter()
 @router.get("/login")
 def form(request: Request, who: Who) -> HTMLResponse:
     """The form to log in by."""
-    return page(request, "login.html", wrong=False, name="")
+    return _form(request, 200, wrong=False, name="")
 
 
 @router.post("/login")
@@ -35,11 +37,15 @@ async def enter(request: Request, store: StoreOf) -> Response:
     tries.count(request, name)
     secret = await run_in_threadpool(log_in, store, name, password)
     if secret is None:
-        return page(request, "login.html", 403, wrong=True, name=name)
+        return _form(request, 403, wrong=True, name=name)
     found = RedirectResponse("/", 303)
-    secure = state_of(request).settings.secure
-    found.set_cookie(SESSION, secret, httponly=True, samesite="strict", path="/", secure=secure)
+    begin_session(found, secret, secure=state_of(request).settings.secure)
     return found
+
+
+def begin_session(found: Response, secret: str, *, secure: bool) -> None:
+    """Leave a session in a browser, which neither scripts nor other sites get at; whatever it had before is gone."""
+    found.set_cookie(SESSION, secret, httponly=True, samesite="strict", path="/", secure=secure)
 
 
 @router.post("/logout")
@@ -53,3 +59,9 @@ def leave(request: Request, store: StoreOf) -> Response:
     for cookie in (SESSION, COOKIE):
         found.delete_cookie(cookie, path="/", httponly=True, samesite="strict")
     return found
+
+
+def _form(request: Request, status: int, *, wrong: bool, name: str) -> HTMLResponse:
+    provider = state_of(request).provider
+    host = None if provider is None else urlsplit(provider.issuer).hostname
+    return page(request, "login.html", status, wrong=wrong, name=name, provider=host)

@@ -22,6 +22,7 @@ from palpate.server.pages import (
     recordings,
     sessions,
     sharing,
+    sign_on,
     upload,
 )
 from palpate.server.pages.templates import STATIC
@@ -42,6 +43,7 @@ PARTS = (
     episodes,
     guides,
     sessions,
+    sign_on,
     sharing,
     upload,
 )

@@ -8,7 +8,10 @@ from uuid import UUID
 
 from markupsafe import Markup
 
-from palpate.server.plots.curves import channel_plot, squeeze_of, squeeze_plot
+from palpate.server.pages.signals import found_squeeze
+from palpate.server.plots.curves import channel_plot
+from palpate.server.plots.squeezes import squeeze_plot
+from palpate.server.plots.svg import svg
 from palpate.server.security.accounts import Account
 from palpate.server.uploading.previews import Preview
 from palpate.store.opening import open_store
@@ -75,12 +78,12 @@ def _curves(scratch: Store, head: Head) -> Iterator[Markup]:
         if count >= MOST_CURVES or sum(channel["count"] for channel in info.channels) > LARGEST_PLOTTED:
             continue
         series = series_of(scratch, head, position)
-        squeeze = None if series is None else squeeze_of(series)
+        squeeze = None if series is None else found_squeeze(head, series)
         if squeeze is not None:
             count += 1
-            yield squeeze_plot(squeeze)
+            yield svg(squeeze_plot(squeeze))
         for channel in () if series is None else series.channels[: MOST_CURVES - count]:
             plot = channel_plot(channel)
             if plot is not None:
                 count += 1
-                yield plot
+                yield svg(plot)

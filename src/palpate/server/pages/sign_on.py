@@ -1,0 +1,95 @@
+"""Logging in by an OpenID provider, with a browser."""
+
+from __future__ import annotations
+
+import logging
+from hmac import compare_digest
+from urllib.parse import quote
+
+from fastapi import APIRouter, Request
+from fastapi.concurrency import run_in_threadpool
+from fastapi.responses import RedirectResponse, Response
+
+from palpate.server.api.parameters import StoreOf
+from palpate.server.pages.sessions import begin_session
+from palpate.server.pages.templates import page
+from palpate.server.problems import problem
+from palpate.server.security.accounts import SESSION_DAYS, issue
+from palpate.server.security.identities import UnknownPersonError, account_name
+from palpate.server.security.single_sign_on import Attempt, Provider, SignOnError
+from palpate.server.state import state_of
+from palpate.store.store import Store
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/login/provider")
+COOKIE = "palpate-attempt"
+PATH = "/login/provider"
+ATTEMPT_S = 600
+_log = logging.getLogger("palpate.server")
+
+
+@router.get("")
+def leave(request: Request) -> Response:
+    """Send a browser to the provider, and leave in it what its answer is known by."""
+    provider, attempt = _provider(request), Attempt.new()
+    try:
+        found = RedirectResponse(provider.address(attempt, _back(request)), 303)
+    except SignOnError as error:
+        _log.error("%s: %s", provider.issuer, error)
+        return page(request, "sign_on.html", 502, told=str(error))
+    value = ".".join((attempt.state, attempt.nonce, attempt.verifier))
+    secure = state_of(request).settings.secure
+    # the provider sends the browser back from elsewhere, where a strict cookie would stay behind
+    found.set_cookie(COOKIE, value, ATTEMPT_S, path=PATH, httponly=True, samesite="lax", secure=secure)
+    return found
+
+
+@router.get("/back")
+async def come_back(request: Request, store: StoreOf) -> Response:
+    """Log in who the provider says it is; a page, as a browser that comes from elsewhere would not send the session."""
+    provider, tries = _provider(request), state_of(request).tries
+    tries.check(request, PATH)
+    tries.count(request, PATH)
+    try:
+        name = await run_in_threadpool(_name, request, store, provider)
+        secret = await run_in_threadpool(issue, store, name, days=SESSION_DAYS)
+        found: Response = page(request, "sign_on.html", told=None, name=name)
+        begin_session(found, secret, secure=state_of(request).settings.secure)
+    except (SignOnError, UnknownPersonError) as error:
+        _log.warning("%s: %s", provider.issuer, error)
+        found = page(request, "sign_on.html", 403, told=str(error))
+    # the answer to one question is taken once
+    found.delete_cookie(COOKIE, path=PATH, httponly=True, samesite="lax")
+    return found
+
+
+def _name(request: Request, store: Store, provider: Provider) -> str:
+    attempt, given = _attempt(request), request.query_params
+    if attempt is None or not compare_digest(given.get("state", "").encode(), attempt.state.encode()):
+        raise SignOnError("this is no answer to a log-in that this browser has begun; begin again")
+    if given.get("iss", provider.issuer) != provider.issuer:
+        raise SignOnError("this is the answer of another provider")
+    code = given.get("code")
+    if not code:
+        raise SignOnError("the provider has logged nobody in")
+    who = provider.identity(attempt, _back(request), code)
+    return account_name(store, who, new_readers=state_of(request).settings.oidc_new_readers)
+
+
+def _attempt(request: Request) -> Attempt | None:
+    parts = request.cookies.get(COOKIE, "").split(".")
+    return Attempt(*parts) if len(parts) == 3 and all(parts) else None
+
+
+def _provider(request: Request) -> Provider:
+    found = state_of(request).provider
+    if found is None:
+        raise problem(404, "this server logs in by name and password only")
+    return found
+
+
+def _back(request: Request) -> str:
+    """Where the provider sends a browser back to; it knows the address, and sends it to no other."""
+    scheme = "https" if state_of(request).settings.secure else request.url.scheme
+    return f"{scheme}://{quote(request.headers.get('host', ''), safe=':[].-')}{PATH}/back"
