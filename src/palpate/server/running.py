@@ -54,6 +54,11 @@ class Address:
         return LOCAL_NAMES if self.is_local else ()
 
     @property
+    def is_secure(self) -> bool:
+        """Whether people reach it over TLS, which this server does not speak itself."""
+        return False
+
+    @property
     def url(self) -> str:
         """For people."""
         host = f"[{self.host}]" if ":" in self.host else self.host
