@@ -7,12 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.estimators.signals import correlation_factor
+from palpate.estimators.correlated import covariance_of_fit
+from palpate.estimators.steps import slope_variance_of_steps, step_of
 
 __all__ = ["Hinge", "fit_hinge", "scatter"]
 
 CANDIDATES = 200
 FLOOR = 1e-9
+LEAST_SHARE = 0.01
+"""A force has at least this share of the errors that the gap's make in it."""
 
 
 @dataclass(frozen=True)
@@ -83,28 +86,57 @@ def fit_hinge(x: NDArray[np.float64], y: NDArray[np.float64], *, gap_sd: float, 
     Notes
     -----
     For given k, residuals in contact have the variance force_sd^2 + (k gap_sd)^2: with it their squares are least at
-    the structural line (Deming, 1943), where ordinary least squares are biased towards a flat one.
+    the structural line (Deming, 1943), where ordinary least squares are biased towards a flat one. Within the
+    gap's error of the contact, it is as likely as not that there is any.
     """
     from scipy.optimize import least_squares
 
     start = _coarse(x, y)
     sd = force_sd if force_sd is not None else _scatter(x, y, start)
     scale = np.array([max(np.ptp(x), FLOOR), max(abs(start[1]), FLOOR), max(np.ptp(y), FLOOR)])
+    # a force without any noise must not make of readings one step off impossible ones
+    least = max(FLOOR * scale[2], LEAST_SHARE * abs(start[1]) * gap_sd)
 
     def residuals(scaled: NDArray[np.float64]) -> NDArray[np.float64]:
         contact, slope, idle = scaled * scale
-        inside = np.maximum(0.0, contact - x)
-        spread = np.sqrt(sd**2 + np.where(inside > 0, (slope * gap_sd) ** 2, 0.0)) + FLOOR * scale[2]
-        found: NDArray[np.float64] = (y - idle - slope * inside) / spread
+        spread = np.sqrt(max(sd, least) ** 2 + _of_gap(x, contact, slope, gap_sd) ** 2)
+        found: NDArray[np.float64] = (y - idle - slope * np.maximum(0.0, contact - x)) / spread
         return found
 
     found = least_squares(residuals, start / scale, x_scale="jac", max_nfev=200)
     contact, slope, idle = found.x * scale
-    normal = found.jac.T @ found.jac
-    # where the scatter is larger than the errors that were stated, it counts; a force that wanders is no contact
-    excess = max(1.0, 2 * found.cost / max(x.size - 3, 1) * correlation_factor(found.fun, fitted=2))
-    covariance = np.linalg.pinv(normal) * np.outer(scale, scale) * excess
+    covariance = _covariance(x, y, found.x * scale, gap_sd=gap_sd, force_sd=max(sd, least))
     return Hinge(float(contact), float(slope), float(idle), covariance, sd)
+
+
+def _of_gap(x: NDArray[np.float64], contact: float, slope: float, gap_sd: float) -> NDArray[np.float64]:
+    """SD in y of the errors in x, (n): none without contact."""
+    share = np.clip((contact - x) / max(12**0.5 * gap_sd, FLOOR) + 0.5, 0.0, 1.0)
+    found: NDArray[np.float64] = abs(slope) * gap_sd * np.sqrt(share)
+    return found
+
+
+def _covariance(
+    x: NDArray[np.float64], y: NDArray[np.float64], fitted: NDArray[np.float64], *, gap_sd: float, force_sd: float
+) -> NDArray[np.float64]:
+    """Covariance of contact, slope and idle force: errors that resemble their neighbours, and steps of x, included."""
+    contact, slope, idle = fitted
+    way = np.maximum(0.0, contact - x)
+    jacobian = np.column_stack([slope * (way > 0), way, np.ones(x.size)])
+    of_gap = _of_gap(x, contact, slope, gap_sd)
+    variance = force_sd**2 + of_gap**2
+    covariance = covariance_of_fit(jacobian, y - idle - slope * way, 1 / variance, of_gap)
+    stated = np.linalg.pinv(jacobian.T @ (jacobian / variance[:, None]))
+    if stated[1, 1] > covariance[1, 1]:
+        # residuals that happen to be small do not take back what was stated
+        covariance = np.asarray(stated, dtype=np.float64)
+    inside = x[way > 0]
+    if inside.size:
+        step = step_of(x, gap_sd)
+        closing = inside[: int(np.argmin(inside)) + 1]
+        covariance[1, 1] += slope_variance_of_steps(closing, step) * (slope * step / way.max()) ** 2
+        covariance[0, 0] += step**2 / 12
+    return covariance
 
 
 def _coarse(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -7,11 +7,12 @@ position sensor: an error in it counts k times as much as one in the force, so t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from palpate.estimators.forces import check_slip, drift_before, uncut
 from palpate.estimators.hinge import Hinge, fit_hinge, scatter
 from palpate.estimators.signals import LEAST_CLIPPED, EstimatorError, SignalError, check_clipping, samples, together
 from palpate.outcomes import Above, Failed, Reading
@@ -27,16 +28,13 @@ LEAST_EXPLAINED = 0.8
 """Share of the force's variance in contact that the line must explain."""
 ONSET = 0.1
 """Share of the greatest force at which the jaws touch for certain."""
-DROP = 0.25
-"""The force falls by this share of what it had grown by where the object slips."""
 OFF_SHARE, OFF_MM = 0.2, 4.0
 """Jaws that first touch further from the known width than this share of it, or so many mm, touch something else."""
 LEAST_WIDTH_MM = 3.0
 """What is thinner than this is the other jaw."""
-FLAT, LAST, LEAST_LAST = 0.5, 3, 4
-"""The force has stopped growing where it grows by less than this share of its slope in the last third of the way."""
-SLIP_SAMPLES, SLIP_SDS = 5, 6.0
-"""A slip is a fall between so many samples and as many after them, by so many SDs of their means' difference."""
+FLAT, LAST, LEAST_LAST = 0.5, (3, 5, 8, 12), 4
+"""The force has stopped growing where it grows by less than this share of its slope in the last third of the way, or
+in the last fifth, and so on, and so many samples are there."""
 
 
 @dataclass(frozen=True)
@@ -155,11 +153,15 @@ def _squeezed(gap: NDArray[np.float64], force: NDArray[np.float64], jaws: Jaws) 
     if np.ptp(gap) == 0:
         raise SignalError(f"gap_mm: all {gap.size} samples are {gap[0]:g}: the jaws did not move")
     gap, force = _closing(gap, force)
-    _check_slip(gap, force)
+    check_slip(gap, force)
     _check_end(gap, force, jaws)
     if _least_modulus_kpa(gap, force, jaws) > jaws.limit_kpa:
         return Squeeze(Above(jaws.limit_kpa, unit="kPa"))
-    hinge = fit_hinge(gap, force, gap_sd=jaws.gap_sd_mm, force_sd=jaws.force_sd_n)
+    whole = uncut(force)
+    if whole < LEAST_SAMPLES:
+        raise SignalError(f"force_n: only {whole} samples before it is cut off, {LEAST_SAMPLES} are needed")
+    gap, force = gap[:whole], force[:whole]
+    hinge, force = _fit(gap, force, jaws)
     _check_contact(hinge, gap, force, jaws)
     explained = hinge.explained(gap, force)
     if explained < LEAST_EXPLAINED:
@@ -174,6 +176,20 @@ def _squeezed(gap: NDArray[np.float64], force: NDArray[np.float64], jaws: Jaws) 
     above = modulus > jaws.limit_kpa
     outcome = Above(jaws.limit_kpa, unit="kPa") if above else Reading(modulus, sd, "kPa")
     return Squeeze(outcome, modulus, sd, hinge, explained)
+
+
+def _fit(gap: NDArray[np.float64], force: NDArray[np.float64], jaws: Jaws) -> tuple[Hinge, NDArray[np.float64]]:
+    """The line, and the force less the drift that it is seen to have before contact."""
+    drift, sd = drift_before(gap, force)
+    force = force - drift * np.arange(force.size)
+    hinge = fit_hinge(gap, force, gap_sd=jaws.gap_sd_mm, force_sd=jaws.force_sd_n)
+    if drift == 0:
+        return hinge, force
+    inside = gap < hinge.contact
+    pace = float(np.ptp(gap[inside])) / max(int(np.count_nonzero(inside)) - 1, 1) if inside.any() else 0.0
+    covariance = hinge.covariance.copy()
+    covariance[1, 1] += (sd / pace) ** 2 if pace > 0 else 0.0
+    return replace(hinge, covariance=covariance), force
 
 
 def _closing(gap: NDArray[np.float64], force: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -240,33 +256,39 @@ def _check_end(gap: NDArray[np.float64], force: NDArray[np.float64], jaws: Jaws)
 
 def _check_growth(hinge: Hinge, gap: NDArray[np.float64], force: NDArray[np.float64], jaws: Jaws) -> None:
     """Refuse a force that stops growing while the jaws close: a sensor at its end, or an object that gave way."""
-    last = gap < hinge.contact - (1 - 1 / LAST) * (hinge.contact - gap.min())
-    way = gap[last] - gap[last].mean()
+    inside = gap < hinge.contact
+    for part in LAST:
+        last = gap < hinge.contact - (1 - 1 / part) * (hinge.contact - gap.min())
+        way = gap[last] - gap[last].mean()
+        if way.size < LEAST_LAST or not way.any():
+            return
+        power = float(way @ way)
+        slope = -float(way @ force[last]) / power
+        sd = float(np.hypot(hinge.noise_sd, hinge.slope * jaws.gap_sd_mm)) / power**0.5
+        sure = SURE_SDS * sd if not _lags(gap, force, inside & ~last, last, hinge, jaws) else sd
+        if slope + sure < FLAT * hinge.slope:
+            raise SignalError(
+                f"poor fit: the force stops growing at {force[last].mean():.3g} N while the jaws close: the sensor is "
+                "at its end, or the object gave way"
+            )
+
+
+def _lags(
+    gap: NDArray[np.float64],
+    force: NDArray[np.float64],
+    before: NDArray[np.bool_],
+    last: NDArray[np.bool_],
+    hinge: Hinge,
+    jaws: Jaws,
+) -> bool:
+    """Whether the last of the force is less, beyond doubt, than the line through what came before says."""
+    way = gap[before] - gap[before].mean() if before.any() else np.zeros(0)
     if way.size < LEAST_LAST or not way.any():
-        return
+        return False
+    on = float(gap[last].mean() - gap[before].mean())
     power = float(way @ way)
-    slope = -float(way @ force[last]) / power
-    sd = float(np.hypot(hinge.noise_sd, hinge.slope * jaws.gap_sd_mm)) / power**0.5
-    if slope + SURE_SDS * sd < FLAT * hinge.slope:
-        raise SignalError(
-            f"poor fit: the force stops growing at {force[last].mean():.3g} N while the jaws close: the sensor is at "
-            "its end, or the object gave way"
-        )
-
-
-def _check_slip(gap: NDArray[np.float64], force: NDArray[np.float64]) -> None:
-    """The force must not fall by much while the jaws close.
-
-    It is looked for before any line is fitted: after an early slip most samples are without contact, and no line fits.
-    """
-    means = np.lib.stride_tricks.sliding_window_view(force, SLIP_SAMPLES).mean(axis=1)
-    before, after = means[:-SLIP_SAMPLES], means[SLIP_SAMPLES:]
-    if before.size == 0:
-        return
-    worst = int(np.argmax(before - after))
-    fall, height = float(before[worst] - after[worst]), float(before[worst] - means[: worst + 1].min())
-    sure = SLIP_SDS * scatter(force) * (2 / SLIP_SAMPLES) ** 0.5
-    if height > sure and fall > max(DROP * height, sure):
-        raise SignalError(
-            f"slip: the force falls by {fall:.3g} N from {before[worst]:.3g} N at {gap[worst + SLIP_SAMPLES]:.3g} mm"
-        )
+    told = float(force[before].mean() + on * (way @ force[before]) / power)
+    of_gap = hinge.slope * jaws.gap_sd_mm
+    noise = float(np.hypot(hinge.noise_sd, of_gap)) * (1 / way.size + 1 / np.count_nonzero(last) + on**2 / power) ** 0.5
+    # all of the last part may be within one step of the gap
+    return told - float(force[last].mean()) > SURE_SDS * float(np.hypot(noise, of_gap))

@@ -9,6 +9,7 @@ from palpate.robots.mujoco.gripper import (
     FORCE_RANGE_N,
     NEWTON_PER_AMPERE,
     POSITION_STEP_MM,
+    STROKE_MM,
     gap_read_mm,
     position_counts,
 )
@@ -19,7 +20,7 @@ from palpate.robots.signals import SqueezeSignals
 __all__ = ["squeeze"]
 
 ROOM_MM = 7.0
-"""How much wider than the object the gripper is when it begins to close."""
+"""How much wider than the object the gripper is at most when it begins to close, and less by a part of a step."""
 RUN_UP_STEPS = 3
 """Steps that are not recorded: the drive's own inertia would be felt in them."""
 MOST_STRAIN = 0.35
@@ -33,9 +34,11 @@ def squeeze(bench: Bench) -> SqueezeSignals:
     mishap = bench.draw_mishap()
     bench.reset()
     grasp = bench.draw_grasp_m(mishap)
-    bench.approach(grasp, ROOM_MM)
-    bench.motion.rest(0.1)
     width = bench.thing.grip_width_mm
+    # jaws that always began at the same place of a step would err by the same each time
+    room = min(ROOM_MM, STROKE_MM - width) - bench.rng.uniform(0.0, POSITION_STEP_MM)
+    bench.approach(grasp, room)
+    bench.motion.rest(0.1)
     rest_width = width + bench.noise.width_sd_mm * bench.rng.standard_normal()
     slips_at = width * (1 - bench.rng.uniform(0.05, 0.2)) if mishap is Mishap.SLIP else -1.0
     rows = _close(bench, slips_at)
