@@ -39,7 +39,7 @@ serve: $(VENV)/serve.stamp
 
 test: lint
 	@echo "== tests and examples"
-	@$(BIN)/python -m pytest -q
+	@$(BIN)/python -m pytest -q -n 2 --dist loadgroup
 	@$(MAKE) --no-print-directory docs
 
 lint: $(VENV)/dev.stamp
