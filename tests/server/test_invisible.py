@@ -3,6 +3,7 @@
 import itertools
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
@@ -39,8 +40,19 @@ TOMORROW = datetime.now(UTC) + timedelta(days=1)
 Token = Callable[..., dict[str, str]]
 
 
+SAID = ("maker", "attribute", "alias")
+
+
 def word(kind: str, field: str) -> str:
     return f"{kind}{field}zq"
+
+
+def described(kind: str) -> ThingRef:
+    """The object that all see, with words that only a recording that they do not see has for it."""
+    words = {field: word(kind, f"shared{field}") for field in SAID}
+    return replace(
+        SHARED, maker=words["maker"], common_name=None, attributes={words["attribute"]: 1}, aliases=(words["alias"],)
+    )
 
 
 def hidden(kind: str, thing: ThingRef | None = None, number: int = 0) -> Recording:
@@ -85,7 +97,12 @@ def secrets(store: Store) -> list[Recording]:
     """Hidden recordings of objects of their own and of one that all see, sent by ann, and explorations."""
     public = squeeze(90, thing=SHARED, visibility="public", entries=(Value("mass", 5.0, unit="g"),))
     store.put(public)
-    made = [hidden("private"), hidden("private", SHARED, 1), hidden("embargoed", SHARED), hidden("embargoed", None, 1)]
+    made = [
+        hidden("private"),
+        hidden("private", described("private"), 1),
+        hidden("embargoed", described("embargoed")),
+        hidden("embargoed", None, 1),
+    ]
     store.put_many(made, uploader="ann")
     for place, one in enumerate(made):
         sharing: dict[str, Any] = {"visibility": one.visibility, "embargoed_until": one.embargoed_until}
@@ -102,6 +119,7 @@ def secrets(store: Store) -> list[Recording]:
 def markers(secrets: list[Recording]) -> set[str]:
     """All words, ids and digests that are hidden, and a number."""
     found = {word(kind, field) for kind, field in itertools.product(KINDS, FIELDS)} | {"4321.125"}
+    found |= {word(kind, f"shared{field}") for kind in KINDS for field in SAID} - {word("embargoed", "sharedmaker")}
     for one in secrets:
         found |= {str(one.id), one.digest, one.setup.digest, one.files[0].sha256}
     return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
 
@@ -157,14 +157,16 @@ class Cursor:
         return cls(sort, value, row)
 
 
-def things_named(name: str | None, dataset: str | None) -> Select[tuple[int]]:
-    """Rows of objects by name and dataset, with those merged into them."""
+def things_named(
+    name: str | None, dataset: str | None, known: Callable[[str], ColumnElement[bool]] | None = None
+) -> Select[tuple[int]]:
+    """Rows of objects by name and dataset, with those merged into them; `known`: that one may be known by a name."""
     things = schema.things
     asked = select(things.c.id)
     if dataset is not None:
         asked = asked.where(things.c.dataset == dataset)
     if name is not None:
-        asked = asked.where(called(name))
+        asked = asked.where(called(name) if known is None else called(name) & known(name))
     return select(things.c.id).where(or_(things.c.id.in_(asked), things.c.merged_into.in_(asked)))
 
 

@@ -1,4 +1,4 @@
-"""Conditions on columns that hold JSON as text, the same for each database."""
+"""Conditions on columns that hold JSON or lines as text, the same for each database."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.compiler import SQLCompiler
 from sqlalchemy.sql.functions import FunctionElement
 
-__all__ = ["HoldsText"]
+__all__ = ["HoldsLine", "HoldsText"]
 
 
 class HoldsText(FunctionElement[bool]):
@@ -32,3 +32,25 @@ def _sqlite(element: HoldsText, compiler: SQLCompiler, **options: Any) -> str:
 def _postgresql(element: HoldsText, compiler: SQLCompiler, **options: Any) -> str:
     column, text = (compiler.process(part, **options) for part in element.clauses)
     return f"(CAST({column} AS jsonb) ? {text})"
+
+
+class HoldsLine(FunctionElement[bool]):
+    """Whether one of the lines of a text is this one, letter by letter."""
+
+    type = Boolean()
+    inherit_cache = True
+
+    def __init__(self, column: ColumnElement[str], line: ColumnElement[str]) -> None:
+        super().__init__(column, line)
+
+
+@compiles(HoldsLine, "sqlite")
+def _sqlite_line(element: HoldsLine, compiler: SQLCompiler, **options: Any) -> str:
+    column, line = (compiler.process(part, **options) for part in element.clauses)
+    return f"(instr(char(10) || {column} || char(10), char(10) || {line} || char(10)) > 0)"
+
+
+@compiles(HoldsLine, "postgresql")
+def _postgresql_line(element: HoldsLine, compiler: SQLCompiler, **options: Any) -> str:
+    column, line = (compiler.process(part, **options) for part in element.clauses)
+    return f"(strpos(chr(10) || {column} || chr(10), chr(10) || {line} || chr(10)) > 0)"

@@ -22,6 +22,8 @@ from palpate.store.legible import legible, reading
 from palpate.store.rows import EPOCH
 from palpate.store.seals import recording_name, sealed_document
 from palpate.store.store import Store
+from palpate.store.viewing import VisibleFilter
+from palpate.store.visible_words import seen_names
 
 if TYPE_CHECKING:
     import pyarrow
@@ -100,7 +102,8 @@ def list_recordings(
     matched = matching(wanted or Filter(), sort, after, limit)
     with reading(store.engine) as connection:
         keys, rows = _keys_and_rows(connection, matched, sort)
-        listed = tuple(_whole(rows, damaged))
+        names = _names(connection, rows, wanted)
+        listed = tuple(_whole(rows, names, damaged))
     end = Cursor(sort, keys[-1][1], keys[-1][0]) if len(keys) == limit and keys else None
     return Page(listed, None if end is None else str(end))
 
@@ -190,7 +193,18 @@ def _keys_and_rows(
 def _rows_asked(matched: Select[*tuple[Any, ...]] | None) -> Select[*tuple[Any, ...]]:
     """What stands in a list of the recordings that matched; of all, unless given."""
     recordings, things = schema.recordings, schema.things
-    names = ("id", "uuid", "digest", "recorded_us", "uploaded_us", "action", "gripper", "owner", "visibility")
+    names = (
+        "id",
+        "uuid",
+        "thing_id",
+        "digest",
+        "recorded_us",
+        "uploaded_us",
+        "action",
+        "gripper",
+        "owner",
+        "visibility",
+    )
     columns = [recordings.c[name] for name in (*names, "embargoed_us", "ground_truth", "document", "seal")]
     thing = [things.c.dataset, things.c.name, things.c.common_name]
     asked = select(*columns, *thing)
@@ -201,20 +215,30 @@ def _rows_asked(matched: Select[*tuple[Any, ...]] | None) -> Select[*tuple[Any, 
     return asked.outerjoin(things, things.c.id == recordings.c.thing_id)
 
 
-def _whole(rows: Iterable[Mapping[Any, Any] | DamagedError], damaged: Damaged | None) -> Iterator[Listed]:
+def _names(
+    connection: Connection, rows: Iterable[Mapping[Any, Any] | DamagedError], wanted: Filter | None
+) -> Mapping[int, str | None]:
+    """Common names of the objects, those that may be seen where somebody looks."""
+    names = {row["thing_id"]: row["common_name"] for row in rows if not isinstance(row, DamagedError)}
+    return seen_names(connection, wanted.viewer, names) if isinstance(wanted, VisibleFilter) else names
+
+
+def _whole(
+    rows: Iterable[Mapping[Any, Any] | DamagedError], names: Mapping[int, str | None], damaged: Damaged | None
+) -> Iterator[Listed]:
     """The rows that are what was written; what is not is told, or raised."""
     for row in rows:
         try:
             if isinstance(row, DamagedError):
                 raise row
-            yield _listed(row)
+            yield _listed(row, names[row["thing_id"]])
         except DamagedError as error:
             if damaged is None:
                 raise
             damaged(error)
 
 
-def _listed(row: Mapping[Any, Any]) -> Listed:
+def _listed(row: Mapping[Any, Any], common_name: str | None) -> Listed:
     plain = sealed_document(row)
     with legible(recording_name(row["uuid"])):
         return Listed(
@@ -227,8 +251,9 @@ def _listed(row: Mapping[Any, Any]) -> Listed:
             entries=tuple(entry_from(entry) for entry in plain["entries"]),
             notices=tuple(plain["notices"]),
             embargoed_until=embargo_of(row["embargoed_us"]),
+            common_name=common_name,
             **{name: plain[name] for name in ("action", "owner", "ground_truth")},
-            **{name: row[name] for name in ("common_name", "gripper", "visibility")},
+            **{name: row[name] for name in ("gripper", "visibility")},
         )
 
 

@@ -18,6 +18,7 @@ from palpate.store.legible import reading
 from palpate.store.rows import EPOCH
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
+from palpate.store.visible_words import seen_names
 
 __all__ = ["EpisodePage", "ListedEpisode", "list_episodes"]
 
@@ -89,7 +90,7 @@ def list_episodes(
     asked = (
         select(episodes, things.c.dataset, things.c.name, things.c.common_name)
         .join(things, things.c.id == episodes.c.thing_id)
-        .where(*_conditions(thing, dataset, since, until))
+        .where(*_conditions(thing, dataset, since, until, viewer))
         .order_by(episodes.c.started_us.desc(), episodes.c.id.desc())
         .limit(limit)
     )
@@ -99,32 +100,35 @@ def list_episodes(
         asked = asked.where(tuple_(episodes.c.started_us, episodes.c.id) < tuple_(after.value, after.row))
     with reading(store.engine) as connection:
         rows = connection.execute(asked).mappings().all()
-        listed = tuple(map(_listed, rows))
+        names = {row["thing_id"]: row["common_name"] for row in rows}
+        seen = names if viewer is None else seen_names(connection, viewer, names)
+        listed = tuple(_listed(row, seen[row["thing_id"]]) for row in rows)
     end = str(Cursor(BY_TIME, rows[-1]["started_us"], rows[-1]["id"])) if rows and len(rows) == limit else None
     return EpisodePage(listed, end)
 
 
 def _conditions(
-    thing: str | None, dataset: str | None, since: datetime | None, until: datetime | None
+    thing: str | None, dataset: str | None, since: datetime | None, until: datetime | None, viewer: Viewer | None
 ) -> Iterator[ColumnElement[bool]]:
     columns = schema.episodes.c
     if thing is not None or dataset is not None:
-        yield columns.thing_id.in_(things_named(thing, dataset))
+        yield columns.thing_id.in_(things_named(thing, dataset, None if viewer is None else viewer.knows_name))
     if since is not None:
         yield columns.started_us >= moment_us("since", since)
     if until is not None:
         yield columns.started_us < moment_us("until", until)
 
 
-def _listed(row: Mapping[Any, Any]) -> ListedEpisode:
+def _listed(row: Mapping[Any, Any], common_name: str | None) -> ListedEpisode:
     header = json.loads(row["document"])["header"]
     told: dict[str, Any] = {name: str(header.get(name, "")) for name in ("objective", "policy", "robot")}
-    same = ("dataset", "common_name", "owner", "visibility", "actions", "stop")
+    same = ("dataset", "owner", "visibility", "actions", "stop")
     return ListedEpisode(
         id=UUID(bytes=row["uuid"]),
         digest=row["digest"].hex(),
         started_at=EPOCH + timedelta(microseconds=row["started_us"]),
         thing=row["name"],
+        common_name=common_name,
         embargoed_until=embargo_of(row["embargoed_us"]),
         network=str(header.get("network", {}).get("name", "")),
         **told,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from typing import Any
 from uuid import UUID
@@ -23,6 +23,7 @@ from palpate.store.rows import EPOCH
 from palpate.store.seals import sealed_document
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
+from palpate.store.visible_words import seen_refs
 
 __all__ = ["Head", "SeriesInfo", "StoredFile", "head_of", "log_of", "series_of"]
 
@@ -88,7 +89,10 @@ def head_of(store: Store, viewer: Viewer, key: UUID | bytes) -> Head | None:
     )
     with reading(store.engine) as connection:
         row = connection.execute(asked).mappings().first()
-        return None if row is None else _head(row)
+        if row is None:
+            return None
+        head, key_of = _head(row), row[things.c.id]
+        return replace(head, thing=seen_refs(connection, viewer, {key_of: head.thing})[key_of])
 
 
 def _head(row: Mapping[Any, Any]) -> Head:

@@ -12,11 +12,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from sqlalchemy import ColumnElement, Select, Table, and_, exists, func, not_, or_, select, true, union
+from sqlalchemy import ColumnElement, Select, Table, and_, exists, func, literal, not_, or_, select, true, union
 
 from palpate.store import schema
+from palpate.store.completing import CHANGED
+from palpate.store.content import to_json
 from palpate.store.embargo import is_over
-from palpate.store.filters import Filter
+from palpate.store.filters import Filter, things_named
+from palpate.store.json_columns import HoldsLine
 from palpate.store.registry import now_us
 
 __all__ = ["Viewer", "VisibleFilter"]
@@ -60,6 +63,39 @@ class Viewer:
         """When they look: all that they ask in one request is told as of one moment."""
         return now_us()
 
+    def knows_name(self, name: str) -> ColumnElement[bool]:
+        """The condition on `schema.things` that one may be known by a name: its own, or one that is said and seen."""
+        things, recordings, audit = schema.things.c, schema.recordings, schema.audit.c
+        if self.everything:
+            return true()
+        line = HoldsLine(recordings.c.words, literal(name.casefold()))
+        said = exists().where(recordings.c.thing_id == things.id, self.of(recordings), line)
+        by_person = exists().where(
+            audit.thing_id == things.id,
+            audit.what == CHANGED,
+            audit.undone_us.is_(None),
+            audit.detail.contains(to_json(name), autoescape=True),
+        )
+        return or_(things.name == name, things.dataset + "/" + things.name == name, said, by_person)
+
+    def knows_word(self, text: str) -> ColumnElement[bool]:
+        """The condition on `schema.things` that a part of a word is said of one where it is seen, or by a person."""
+        things, recordings, audit = schema.things.c, schema.recordings, schema.audit.c
+        if self.everything:
+            return true()
+        said = exists().where(
+            recordings.c.thing_id == things.id,
+            self.of(recordings),
+            recordings.c.words.contains(text.casefold(), autoescape=True),
+        )
+        by_person = exists().where(
+            audit.thing_id == things.id,
+            audit.what == CHANGED,
+            audit.undone_us.is_(None),
+            func.lower(audit.detail).contains(text.lower(), autoescape=True),
+        )
+        return or_(said, by_person)
+
     def things(self) -> ColumnElement[bool]:
         """The condition on `schema.things` that one is seen by itself, whatever is merged into it."""
         if self.everything:
@@ -88,7 +124,9 @@ class VisibleFilter(Filter):
     def conditions(self) -> Iterator[ColumnElement[bool]]:
         """All but property and labels, on `schema.recordings`."""
         columns = schema.recordings.c
-        yield from super(VisibleFilter, replace(self, known={})).conditions()
+        yield from super(VisibleFilter, replace(self, known={}, thing=None, dataset=None)).conditions()
+        if self.thing is not None or self.dataset is not None:
+            yield columns.thing_id.in_(things_named(self.thing, self.dataset, self.viewer.knows_name))
         for name, label in self.known.items():
             yield columns.thing_id.in_(known_things(self.viewer, name, label))
         if not self.viewer.everything:

@@ -11,14 +11,17 @@ from sqlalchemy import func, or_, select
 from palpate.store import schema
 from palpate.store.filters import digest_bytes
 from palpate.store.legible import reading
+from palpate.store.records import ThingRef
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
+from palpate.store.visible_words import seen_refs
 
 __all__ = [
     "Progress",
     "episode_is_of",
     "episode_is_there",
     "episode_is_visible",
+    "episode_thing",
     "progress_of",
     "recordings_of_digests",
 ]
@@ -44,6 +47,14 @@ def episode_is_of(store: Store, account: str, key: UUID) -> bool:
     theirs = or_(columns.owner == account, columns.uploaded_by == account)
     with reading(store.engine) as connection:
         return connection.scalar(select(columns.id).where(columns.uuid == key.bytes, theirs)) is not None
+
+
+def episode_thing(store: Store, viewer: Viewer, thing: ThingRef) -> ThingRef:
+    """The object of an exploration, with what a viewer may know of it."""
+    columns = schema.things.c
+    with reading(store.engine) as connection:
+        row = connection.scalar(select(columns.id).where(columns.dataset == thing.dataset, columns.name == thing.id))
+        return thing if row is None else seen_refs(connection, viewer, {row: thing})[row]
 
 
 def episode_is_visible(store: Store, viewer: Viewer, key: UUID) -> bool:

@@ -16,6 +16,7 @@ from palpate.store.records import ThingRef
 from palpate.store.store import Store
 from palpate.store.things import Thing, is_thing, things_where
 from palpate.store.viewing import Viewer, known_things
+from palpate.store.visible_words import seen_refs
 
 __all__ = [
     "ThingFilter",
@@ -58,9 +59,12 @@ class ThingFilter:
         """On `schema.things`."""
         columns = schema.things.c
         if self.text is not None:
-            named = (columns.dataset, columns.name, columns.common_name, columns.maker, columns.aliases)
             asked = self.text.lower()
-            yield or_(*(func.lower(column).contains(asked, autoescape=True) for column in named))
+            own, more = (columns.dataset, columns.name), (columns.common_name, columns.maker, columns.aliases)
+            held, said = (
+                or_(*(func.lower(column).contains(asked, autoescape=True) for column in some)) for some in (own, more)
+            )
+            yield or_(held, said & viewer.knows_word(self.text))
         if self.dataset is not None:
             yield columns.dataset == self.dataset
         for name, label in self.known:
@@ -162,6 +166,7 @@ def _as_seen(connection: Connection, viewer: Viewer, found: Sequence[Thing]) -> 
     """Objects with what is merged into them and with their numbers of recordings as a viewer sees them."""
     if viewer.everything:
         return list(found)
+    found = _as_known(connection, viewer, found)
     things, recordings, head = schema.things, schema.recordings, schema.things.alias("head")
     joined = or_(things.c.id == head.c.id, things.c.merged_into == head.c.id)
     named = (head.c.dataset, head.c.name)
@@ -187,6 +192,19 @@ def _as_seen(connection: Connection, viewer: Viewer, found: Sequence[Thing]) -> 
     ]
 
 
+def _as_known(connection: Connection, viewer: Viewer, found: Sequence[Thing]) -> list[Thing]:
+    """Objects with what a viewer may know of each."""
+    columns = schema.things.c
+    named = tuple_(columns.dataset, columns.name)
+    asked = select(columns.id, columns.dataset, columns.name).where(
+        named.in_([(one.ref.dataset, one.ref.id) for one in found])
+    )
+    rows = {(dataset, name): row for row, dataset, name in connection.execute(asked)}
+    keys = [rows[one.ref.dataset, one.ref.id] for one in found]
+    seen = seen_refs(connection, viewer, {key: one.ref for key, one in zip(keys, found, strict=True)})
+    return [replace(one, ref=seen[key]) for key, one in zip(keys, found, strict=True)]
+
+
 def _cursor(thing: ThingRef) -> str:
     return base64.urlsafe_b64encode(json.dumps([thing.dataset, thing.id]).encode()).decode().rstrip("=")
 
@@ -209,6 +227,6 @@ def things_by_name(store: Store, viewer: Viewer, names: Collection[tuple[str, st
     with reading(store.engine) as connection:
         for part in (ordered[start : start + CHUNK] for start in range(0, len(ordered), CHUNK)):
             condition = tuple_(columns.dataset, columns.name).in_(part) & seen
-            for thing in things_where(connection, condition):
+            for thing in _as_known(connection, viewer, list(things_where(connection, condition))):
                 found[thing.ref.dataset, thing.ref.id] = replace(thing, merged=(), recordings=0)
     return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import UTC
 from typing import Annotated, Any
 from uuid import UUID
@@ -23,7 +24,7 @@ from palpate.server.state import state_of
 from palpate.store.episodes import StoredEpisode
 from palpate.store.keeping_episodes import get_episode
 from palpate.store.records import ThingRef
-from palpate.store.visible_episodes import episode_is_visible, recordings_of_digests
+from palpate.store.visible_episodes import episode_is_visible, episode_thing, recordings_of_digests
 
 __all__ = ["SeenEpisode", "router"]
 
@@ -63,7 +64,8 @@ class LineSent(models.Strict):
 def _episode(store: StoreOf, who: Who, id: UUID) -> StoredEpisode:
     if not episode_is_visible(store, who.viewer, id):
         raise problem(404, f"episode {id}: there is none, or none that you may see")
-    return get_episode(store, id)
+    found = get_episode(store, id)
+    return replace(found, thing=episode_thing(store, who.viewer, found.thing))
 
 
 SeenEpisode = Annotated[StoredEpisode, Depends(_episode)]

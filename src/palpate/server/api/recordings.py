@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path as FilePath
 from tempfile import SpooledTemporaryFile, TemporaryDirectory
 from typing import IO, Annotated, Any
@@ -86,7 +87,8 @@ def get_package(store: StoreOf, head: SeenRecording) -> Response:
     """A recording whole, as a package: what a program that knows Palpate reads back to what was put."""
     package = SpooledTemporaryFile(max_size=IN_MEMORY)  # noqa: SIM115 - closed once it is sent
     try:
-        pack(store.get(head.id), package)
+        # of its object that which its reader may know
+        pack(replace(store.get(head.id), thing=head.thing), package)
     except BaseException:
         package.close()
         raise

@@ -1,0 +1,141 @@
+"""What is said of an object, as far as somebody may know it.
+
+Recordings complete the description of their object, and some of them not everybody sees. A word is shown where a person
+has said it, or a recording or exploration that is seen, or where all that was done with the object is seen.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from sqlalchemy import ColumnElement, Connection, exists, false, func, literal, not_, or_, select
+
+from palpate.store import schema
+from palpate.store.completing import CHANGED
+from palpate.store.content import to_json
+from palpate.store.json_columns import HoldsLine
+from palpate.store.records import ThingRef
+from palpate.store.viewing import Viewer
+
+__all__ = ["seen_names", "seen_refs"]
+
+Part = tuple[tuple[str, ...], str]
+"""Where a part of a description stands, and what it says, as JSON."""
+OF_ARCHIVES = "archive "
+"""Who says what comes with an archive, which is what recordings say elsewhere."""
+CHUNK = 400
+
+
+def seen_refs(connection: Connection, viewer: Viewer, things: Mapping[int, ThingRef]) -> Mapping[int, ThingRef]:
+    """Objects by their rows, with what a viewer may know of each."""
+    if viewer.everything:
+        return things
+    every: dict[int, set[Part]] = {row: set(_parts(ref)) for row, ref in things.items()}
+    doubtful = _unsaid(connection, every)
+    doubtful = {
+        row: {part for part in parts if not _is_in_words(connection, viewer, row, part)}
+        for row, parts in doubtful.items()
+    }
+    hidden = _of_mixed(connection, viewer, [row for row, parts in doubtful.items() if parts])
+    return {row: _without(ref, doubtful[row]) if row in hidden else ref for row, ref in things.items()}
+
+
+def seen_names(connection: Connection, viewer: Viewer, names: Mapping[int, str | None]) -> Mapping[int, str | None]:
+    """Common names of objects by their rows, as `seen_refs` gives them; quick, as each list asks for it."""
+    if viewer.everything:
+        return names
+    parts: dict[int, set[Part]] = {
+        row: {(("common_name",), to_json(name))} for row, name in names.items() if name is not None
+    }
+    doubtful = [row for row, left in _unsaid(connection, parts).items() if left]
+    things, recordings = schema.things.c, schema.recordings
+    named = exists().where(
+        recordings.c.thing_id == things.id,
+        viewer.of(recordings),
+        HoldsLine(recordings.c.words, func.lower(things.common_name)),
+    )
+    for some in _chunks(doubtful):
+        said = set(connection.scalars(select(things.id).where(things.id.in_(some), named)))
+        doubtful = [row for row in doubtful if row not in said]
+    # a database knows fewer small letters
+    doubtful = [row for row in doubtful if not _is_in_words(connection, viewer, row, next(iter(parts[row])))]
+    hidden = _of_mixed(connection, viewer, doubtful)
+    return {row: None if row in hidden else name for row, name in names.items()}
+
+
+def _parts(ref: ThingRef) -> Iterator[Part]:
+    for name in ("maker", "common_name"):
+        if getattr(ref, name) is not None:
+            yield (name,), to_json(getattr(ref, name))
+    yield from ((("attributes", name), to_json(value)) for name, value in ref.attributes.items())
+    yield from ((("aliases", name), to_json(name)) for name in ref.aliases)
+
+
+def _without(ref: ThingRef, parts: Collection[Part]) -> ThingRef:
+    hidden = {field for field, _ in parts}
+    return replace(
+        ref,
+        maker=None if ("maker",) in hidden else ref.maker,
+        common_name=None if ("common_name",) in hidden else ref.common_name,
+        attributes={name: value for name, value in ref.attributes.items() if ("attributes", name) not in hidden},
+        aliases=tuple(name for name in ref.aliases if ("aliases", name) not in hidden),
+    )
+
+
+def _unsaid(connection: Connection, parts: Mapping[int, set[Part]]) -> dict[int, set[Part]]:
+    """Those parts that no person has said."""
+    audit, left = schema.audit.c, {row: set(some) for row, some in parts.items()}
+    for some in _chunks([row for row, one in parts.items() if one]):
+        holds = (audit.thing_id.in_(some), audit.what == CHANGED, audit.undone_us.is_(None))
+        for row, who, detail in connection.execute(select(audit.thing_id, audit.who, audit.detail).where(*holds)):
+            if not (who or "").startswith(OF_ARCHIVES):
+                left[row] -= {
+                    (tuple(one["field"]), to_json(one["after"])) for one in _changes(detail) if "after" in one
+                }
+    return left
+
+
+def _changes(detail: str) -> list[Any]:
+    try:
+        found = json.loads(detail)
+    except ValueError:
+        # damaged: nobody has said anything by it
+        return []
+    return [one for one in found if isinstance(one, dict) and "field" in one] if isinstance(found, list) else []
+
+
+def _is_in_words(connection: Connection, viewer: Viewer, row: int, part: Part) -> bool:
+    """Whether a recording of an object that is seen says this; of attributes none keeps what it has said."""
+    (name, *_), said = part
+    if name == "attributes":
+        return False
+    recordings = schema.recordings
+    asked = exists().where(
+        recordings.c.thing_id == row,
+        viewer.of(recordings),
+        HoldsLine(recordings.c.words, literal(str(json.loads(said)).casefold())),
+    )
+    return bool(connection.scalar(select(asked)))
+
+
+def _of_mixed(connection: Connection, viewer: Viewer, rows: Sequence[int]) -> set[int]:
+    """Those objects of which something was done that is not seen."""
+    things, found = schema.things.c, set[int]()
+    for some in _chunks(rows):
+        asked = select(things.id).where(things.id.in_(some), or_(*_unseen(viewer)))
+        found.update(connection.scalars(asked))
+    return found
+
+
+def _unseen(viewer: Viewer) -> Iterator[ColumnElement[bool]]:
+    for table in (schema.recordings, schema.episodes):
+        # who owns it may be unknown, and then it is neither seen nor not
+        seen = func.coalesce(viewer.of(table), false())
+        yield exists().where(table.c.thing_id == schema.things.c.id, not_(seen))
+
+
+def _chunks(rows: Sequence[int]) -> Iterator[Sequence[int]]:
+    return (rows[start : start + CHUNK] for start in range(0, len(rows), CHUNK))
