@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from datetime import UTC, datetime, timedelta
 from typing import Annotated
 
@@ -30,6 +31,7 @@ from palpate.store.parts import Head, head_of
 __all__ = ["router"]
 
 router = APIRouter(prefix="/episodes")
+MOST_LABELS = 3
 QUIET, GONE = timedelta(minutes=5), timedelta(hours=2)
 """After them an exploration that says nothing is said to be quiet, and to be interrupted."""
 
@@ -98,7 +100,16 @@ def _read(stored: StoredEpisode) -> Episode:
 def _told(step: LoggedStep) -> str:
     """What an action returned, as people read it."""
     found = {name: value for name, value in format_item(step.action, step.admitted).items() if name != "action"}
-    return ", ".join(f"{name} {number(value) if isinstance(value, float) else value}" for name, value in found.items())
+    return ", ".join(f"{name} {_words(value)}" for name, value in found.items())
+
+
+def _words(value: object) -> str:
+    """A part of what an action returned; of many labels the likeliest ones."""
+    if isinstance(value, Mapping):
+        ranked = sorted(value.items(), key=lambda item: -item[1])
+        told = ", ".join(f"{label} {share:.2g}" for label, share in ranked[:MOST_LABELS])
+        return told if len(ranked) <= MOST_LABELS else f"{told}, and {len(ranked) - MOST_LABELS} more"
+    return number(value) if isinstance(value, float) else str(value)
 
 
 def _gains(step: LoggedStep | None) -> list[tuple[str, float, float]]:
