@@ -97,7 +97,7 @@ def test_episodes_are_listed_and_shown(run: Any, place: Path, tmp_path: Path) ->
         (("--robot", "replay", "--session", "store:mug"), "'mug': is not the beginning of an id"),
         (("--robot", "replay", "--session", f"store:{'0' * 32}"), "is not in the store"),
         (("ceramic_mug", "--session", "store"), "--session is only for --robot replay"),
-        (("ceramic_mug", "--store", "x.sqlite"), "--store and --blobs are for --record and --session store"),
+        (("ceramic_mug", "--store", "x.sqlite"), "--store and --blobs are for --record, --live and --session store"),
         (("ceramic_mug", "--record", "--store", "mysql://x/y"), "store mysql://x/y: found 'mysql', expected"),
     ],
 )
