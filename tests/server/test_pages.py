@@ -99,6 +99,7 @@ def test_every_page_of_the_example(client: TestClient, store: Store) -> None:
         "/objects/ycb",
         "/compare/table.csv",
         "/guides/api",
+        "/guides/watch",
         "step=",
     ):
         assert any(part in address for address in seen), part

@@ -12,7 +12,13 @@ from palpate.server.security.who import Who
 __all__ = ["router"]
 
 router = APIRouter(prefix="/guides")
-TITLES = {"record": "Record", "upload": "Upload", "api": "Ask by program", "cite": "Cite"}
+TITLES = {
+    "record": "Record",
+    "upload": "Upload",
+    "watch": "Watch an exploration",
+    "api": "Ask by program",
+    "cite": "Cite",
+}
 
 
 @router.get("")
