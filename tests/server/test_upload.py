@@ -3,6 +3,8 @@
 import io
 import json
 import re
+import subprocess
+import sys
 import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -14,6 +16,7 @@ from fastapi.testclient import TestClient
 from palpate.server.app import application
 from palpate.server.security.accounts import Role, add_user, issue
 from palpate.server.uploading.previews import HOLDS_S, MOST_OF_ACCOUNT, Previews
+from palpate.server.uploading.saving import save
 from palpate.store.archive import export_archive
 from palpate.store.entries import Distribution, Value
 from palpate.store.listing import list_recordings
@@ -234,6 +237,30 @@ def test_bombs_and_names_that_lead_elsewhere_are_refused(ann: TestClient, tmp_pa
     assert not list(root.parent.glob("out.json"))
     assert not Path("/tmp/absolute.txt").exists()
     assert str(root) not in text
+
+
+def test_of_a_file_that_is_too_large_nothing_is_read(tmp_path: Path) -> None:
+    """The beginning of a table would be a recording that nobody has made."""
+    rows = b"position,force,E\n" + b"1,2,3\n" * 200_000
+    refused = save(iter([("small.csv", io.BytesIO(rows[:23])), ("large.csv", io.BytesIO(rows))]), tmp_path, 1 << 20)
+    assert [name for name, _ in refused] == ["large.csv"]
+    assert [path.name for path in tmp_path.iterdir()] == ["small.csv"]
+
+
+def test_a_system_without_limits_for_processes_serves() -> None:
+    """As Windows, whose Python has no such module."""
+    tried = "import sys; sys.modules['resource'] = None; import palpate.server.app, palpate.server.uploading.reader"
+    assert subprocess.run([sys.executable, "-c", tried], capture_output=True, check=False).stderr == b""
+
+
+def test_a_process_that_has_less_already_asks_for_no_more(tmp_path: Path) -> None:
+    """It would be refused, and with it each upload."""
+    tried = (
+        "import resource as r; r.setrlimit(r.RLIMIT_CPU, (50, 60)); from palpate.server.uploading import limits;"
+        "limits.limit_process(); print(r.getrlimit(r.RLIMIT_CPU), r.getrlimit(r.RLIMIT_CORE))"
+    )
+    found = subprocess.run([sys.executable, "-c", tried], capture_output=True, check=False, text=True)
+    assert (found.stdout, found.stderr) == ("(60, 60) (0, 0)\n", "")
 
 
 def test_files_of_an_upload_come_back_harmless(ann: TestClient, store: Store) -> None:

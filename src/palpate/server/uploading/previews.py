@@ -24,7 +24,7 @@ from palpate.server.security.who import COOKIE, SESSION
 __all__ = ["Preview", "Previews", "holder_of"]
 
 ID = re.compile("[A-Za-z0-9_-]{43}")
-ABOUT, FOUND = "about.json", "found.json"
+ABOUT, TASK, FOUND = "about.json", "task.json", "found.json"
 HOLDS_S = 3600.0
 SWEPT_EACH_S = 300.0
 MOST_OF_ACCOUNT = 3

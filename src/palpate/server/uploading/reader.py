@@ -7,7 +7,6 @@ the server.
 from __future__ import annotations
 
 import json
-import resource
 import sys
 import tomllib
 from collections.abc import Iterator
@@ -18,7 +17,8 @@ from typing import Any
 from palpate.errors import PalpateError
 from palpate.server.receiving import check_owner
 from palpate.server.security.accounts import Account, Role
-from palpate.server.uploading.previews import FOUND, Preview
+from palpate.server.uploading.limits import limit_process
+from palpate.server.uploading.previews import FOUND, TASK, Preview
 from palpate.store.errors import StoreError
 from palpate.store.importing import squeezes
 from palpate.store.importing.bags import format
@@ -33,11 +33,8 @@ from palpate.store.opening import open_store
 from palpate.store.records import Recording
 from palpate.store.units import admit_units
 
-__all__ = ["TASK"]
+__all__ = ["main"]
 
-TASK = "task.json"
-LARGEST_MEMORY_BYTES = 3 << 30
-LONGEST_S = 120
 MOST_ITEMS = 5_000
 FOR_FORMS = {
     squeezes.UNMAPPED: "is CSV, and nothing says what its columns mean: send a column map (.toml) with it",
@@ -121,12 +118,7 @@ def _plain(outcome: Outcome, hidden: str) -> dict[str, Any]:
 
 def main(folder: Path) -> None:
     """Read what lies in a preview, and leave beside it what became of each item."""
-    for limit, most in (
-        (resource.RLIMIT_AS, LARGEST_MEMORY_BYTES),
-        (resource.RLIMIT_CPU, LONGEST_S),
-        (resource.RLIMIT_CORE, 0),
-    ):
-        resource.setrlimit(limit, (most, most))
+    limit_process()
     preview = Preview(folder.name, folder)
     task = json.loads((folder / TASK).read_text(encoding="utf-8"))
     found = [_plain(outcome, str(preview.sent)) for outcome in _read_all(preview, task)]

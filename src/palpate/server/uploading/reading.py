@@ -11,8 +11,8 @@ import threading
 
 from palpate.server.problems import problem
 from palpate.server.security.accounts import Account
-from palpate.server.uploading.previews import Preview
-from palpate.server.uploading.reader import LONGEST_S, TASK
+from palpate.server.uploading.limits import LONGEST_S
+from palpate.server.uploading.previews import TASK, Preview
 from palpate.store.importing.items import Fate
 from palpate.store.store import Store
 from palpate.store.units import units_of
@@ -23,7 +23,7 @@ _log = logging.getLogger("palpate.server")
 AT_ONCE = threading.BoundedSemaphore(2)
 PATIENCE_S = 60
 # what a program needs to start, and nothing that is the server's: neither the address of the store nor its key
-PASSED_ON = ("PATH", "PYTHONPATH", "LANG", "LC_ALL", "TZ", "HOME", "VIRTUAL_ENV", "LD_LIBRARY_PATH")
+PASSED_ON = ("PATH", "PYTHONPATH", "LANG", "LC_ALL", "TZ", "HOME", "VIRTUAL_ENV", "LD_LIBRARY_PATH", "SYSTEMROOT")
 
 
 def read(store: Store, who: Account, preview: Preview, refused: list[tuple[str, str]]) -> None:
@@ -34,7 +34,7 @@ def read(store: Store, who: Account, preview: Preview, refused: list[tuple[str, 
     task = {"account": who.name, "role": who.role.name, "units": dict(units_of(store)), "refused": before}
     (preview.folder / TASK).write_text(json.dumps(task), encoding="utf-8")
     environment = {name: os.environ[name] for name in PASSED_ON if name in os.environ}
-    environment |= {"TMPDIR": str(scratch), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    environment |= {"TMPDIR": str(scratch), "TEMP": str(scratch), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     if not AT_ONCE.acquire(timeout=PATIENCE_S):
         raise problem(503, "too many uploads are being read; try again in a minute", headers={"Retry-After": "60"})
     try:

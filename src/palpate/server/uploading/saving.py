@@ -65,11 +65,13 @@ class Saved:
 
     def _write(self, name: str, data: IO[bytes], target: Path) -> None:
         with target.open("xb") as opened:
-            while piece := data.read(1 << 20):
+            while self._left >= 0 and (piece := data.read(1 << 20)):
                 self._left -= len(piece)
-                if self._left < 0:
-                    raise StoreError(f"{name}: all is more than {self.largest_bytes} bytes when unpacked")
-                opened.write(piece)
+                opened.write(piece if self._left >= 0 else b"")
+        if self._left < 0:
+            # its beginning would be read as if it were all
+            target.unlink()
+            raise StoreError(f"{name}: all is more than {self.largest_bytes} bytes when unpacked")
 
     def _unpack(self, name: str, data: IO[bytes], target: Path) -> None:
         """Each file of a zip below a folder that is called as it is; a link in it becomes a file."""
