@@ -1,5 +1,6 @@
 """Threads that commit at once: each gets its own answer, and they share transactions."""
 
+import secrets
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -9,9 +10,12 @@ from threading import Barrier, Event
 import pytest
 
 from palpate.store.errors import StoreError, UnavailableError
+from palpate.store.keeping_episodes import put_episode
 from palpate.store.opening import open_store
+from palpate.store.records import ThingRef
+from palpate.store.store import Store
 from palpate.store.together import Together
-from tests.store.made_up import squeeze
+from tests.store.made_up import made_episode, squeeze
 
 COUNT = 8
 
@@ -95,3 +99,25 @@ def test_threads_put_at_once(tmp_path: Path) -> None:
         assert [sum(one[part] for one in found) for part in range(11)] == [*[1] * 10, COUNT]
         digests = [squeeze(part).digest for part in (*range(10), *range(100, 100 + COUNT))]
         assert store.known(digests) == set(digests)
+
+
+@pytest.mark.parametrize("store", ["postgresql"], indirect=True)
+def test_what_the_database_does_not_take_is_refused_and_nobody_is_told_to_come_again(store: Store) -> None:
+    """A name that its index cannot hold is wrong with one recording, and the others of its transaction are kept."""
+    long = ThingRef("lab", secrets.token_hex(6000))
+    ready = Barrier(COUNT)
+
+    def put(number: int) -> str:
+        ready.wait()
+        try:
+            return str(store.put(replace(squeeze(number), thing=long) if number % 2 else squeeze(number)).new)
+        except StoreError as error:
+            return f"{type(error).__name__}: {error}"
+
+    with ThreadPoolExecutor(COUNT) as threads:
+        found = list(threads.map(put, range(COUNT)))
+    assert found[::2] == ["True"] * (COUNT // 2)
+    assert all(one.startswith("StoreError: holds what the database does not take: index row") for one in found[1::2])
+    with pytest.raises(StoreError, match="does not take: index row") as refused:
+        put_episode(store, replace(made_episode(), thing=long))
+    assert not isinstance(refused.value, UnavailableError)

@@ -13,10 +13,10 @@ from palpate.store import schema
 from palpate.store.database import writing
 from palpate.store.embargo import embargo_of, embargo_us
 from palpate.store.episodes import StoredEpisode, check_episode, episode_from
-from palpate.store.errors import StoreError, UnavailableError
+from palpate.store.errors import StoreError
 from palpate.store.filters import digest_bytes
 from palpate.store.legible import reading
-from palpate.store.outages import patiently
+from palpate.store.outages import not_kept, patiently
 from palpate.store.records import Receipt
 from palpate.store.registry import Lookup, Registry, thing_of
 from palpate.store.rows import microseconds
@@ -59,8 +59,7 @@ def put_episode(store: Store, episode: StoredEpisode, *, uploader: str | None = 
         except DatabaseError as error:
             # somebody else has just put the same, and the next look finds it
             if not isinstance(error, IntegrityError) or attempt == ATTEMPTS:
-                told = f"store {store.engine.url!r}: {' '.join(str(error.orig).split())}"
-                raise UnavailableError(f"{told}; nothing was kept") from None
+                raise not_kept(store.engine, error.orig or error) from None
     raise AssertionError("the last attempt returns or raises")
 
 

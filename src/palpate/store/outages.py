@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import sqlite3
 import time
 from collections.abc import Callable
 from typing import TypeVar
@@ -12,7 +13,7 @@ from sqlalchemy.engine import ExceptionContext
 
 from palpate.store.errors import DamagedError, IncompleteError, StoreError, UnavailableError
 
-__all__ = ["LostError", "outage", "patiently", "tell_outages"]
+__all__ = ["LostError", "not_kept", "outage", "patiently", "tell_outages"]
 
 PATIENCE_S = 30.0
 """How long a server may be away, as while it is restarted."""
@@ -23,6 +24,8 @@ UNDECODED = "Could not decode to UTF-8"
 MISSING = ("no such table", "no such column")
 MISSING_STATES = ("42P01", "42703")
 """PostgreSQL's codes for tables and columns."""
+NOT_TAKEN = ("22", "54")
+"""PostgreSQL's classes of errors for what is sent: no data of its type, and more than its limits allow."""
 Done = TypeVar("Done")
 
 
@@ -52,6 +55,24 @@ def outage(engine: Engine, error: BaseException, *, lost: bool) -> StoreError | 
     if lost and engine.dialect.name == "postgresql":
         return LostError(f"{place}: {said}; expected a server that answers")
     return None
+
+
+def not_kept(engine: Engine, error: BaseException) -> StoreError:
+    """What an error of the driver is where something was to be kept: of the database, or of what was sent to it.
+
+    Examples
+    --------
+    >>> import sqlite3
+    >>> from palpate.store.database import connect
+    >>> not_kept(connect("sqlite://"), sqlite3.DataError("string or blob too big"))
+    StoreError('holds what the database does not take: string or blob too big; nothing was kept')
+    """
+    # PostgreSQL's messages have several lines
+    said = " ".join(str(error).split())
+    state = getattr(error, "sqlstate", None) or ""
+    if state.startswith(NOT_TAKEN) or isinstance(error, sqlite3.DataError):
+        return StoreError(f"holds what the database does not take: {said}; nothing was kept")
+    return UnavailableError(f"store {engine.url!r}: {said}; nothing was kept")
 
 
 def patiently(work: Callable[[], Done]) -> Done:

@@ -20,7 +20,7 @@ from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.fetching import fetch, whole
 from palpate.store.inserting import CHUNK, Statements
 from palpate.store.legible import reading
-from palpate.store.outages import patiently
+from palpate.store.outages import not_kept, patiently
 from palpate.store.records import Receipt, Recording
 from palpate.store.registry import Lookup, NotRememberedError, Registry, now_us, units_in
 from palpate.store.rows import Prepared, counted, entry_rows, prepare
@@ -170,9 +170,7 @@ class Store:
             race = isinstance(error, driver.IntegrityError) or getattr(error, "sqlstate", None) == DEADLOCK
             if race and attempts > 1:
                 return self._commit_or_again(batch, attempts - 1)
-            # PostgreSQL's messages have several lines
-            told = f"store {self.engine.url!r}: {' '.join(str(error).split())}"
-            raise UnavailableError(f"{told}; nothing was kept") from None
+            raise not_kept(self.engine, error or found) from None
 
     def _commit(self, batch: Sequence[Prepared]) -> list[Receipt]:
         """One transaction that puts what is not there yet."""
