@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from functools import lru_cache
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Select, and_, func, select
+from sqlalchemy import Connection, Select, and_, func, select
 
 from palpate.network.units import unit_of
 from palpate.store import schema
@@ -58,7 +59,8 @@ class Result:
 
 def results_of(store: Store, viewer: Viewer, thing: ThingRef) -> tuple[Result, ...]:
     """All results of an object and of those merged into it, the first measured first."""
-    return tuple(_results(store, viewer, schema.entries.c.thing_id.in_(rows_of(thing))))
+    with reading(store.engine) as connection:
+        return tuple(_results(connection, viewer, _heads(connection, thing)))
 
 
 @dataclass(frozen=True)
@@ -127,58 +129,68 @@ def _groups(viewer: Viewer, property: str) -> Select[*tuple[Any, ...]]:
     return select(*columns, func.sum(off * off).label("squares")).join(values, same).group_by(*columns)
 
 
-def _results(store: Store, viewer: Viewer, condition: Any) -> Iterator[Result]:
-    entries, recordings, things, setups = schema.entries, schema.recordings, schema.things, schema.setups
-    head = things.alias("head")
+def _results(connection: Connection, viewer: Viewer, things: Mapping[int, tuple[str, str]]) -> Iterator[Result]:
+    """Results of objects by their rows, each with the dataset and the name under which it counts."""
+    entries, recordings = schema.entries.c, schema.recordings
+    numbers = (entries.value, entries.sd, entries.low, entries.high)
     asked = (
-        select(
-            entries,
-            recordings.c.uuid,
-            recordings.c.action,
-            recordings.c.ground_truth,
-            setups.c.digest.label("setup_digest"),
-            setups.c.document.label("setup"),
-            head.c.dataset,
-            head.c.name.label("thing"),
+        select(recordings.c.uuid, recordings.c.recorded_us, recordings.c.action, recordings.c.ground_truth)
+        .add_columns(recordings.c.thing_id, recordings.c.setup_id)
+        .add_columns(entries.kind, entries.property, entries.unit, entries.label, *numbers)
+        .join(schema.entries, entries.recording_id == recordings.c.id)
+        # an index gives the recordings of an object in order, and none its entries
+        .where(recordings.c.thing_id.in_(things), viewer.of(recordings))
+        .order_by(recordings.c.recorded_us, recordings.c.id, entries.position)
+    )
+    units = {row.name: row.unit for row in connection.execute(select(schema.properties))}
+    rows = connection.execute(asked).all()
+    named = _names_of_setups(connection, {row.setup_id for row in rows})
+    scale_of = lru_cache(_scale)
+    for uuid, at_us, action, truth, thing, setup, kind, property, unit, label, *values in rows:
+        if setup not in named:
+            continue
+        unit_told = units.get(property or "")
+        scale = scale_of(unit, unit_told)
+        value, sd, low, high = (None if scale is None or one is None else one * scale for one in values)
+        yield Result(
+            recording=UUID(bytes=uuid),
+            recorded_at=EPOCH + timedelta(microseconds=at_us),
+            action=action,
+            ground_truth=bool(truth),
+            dataset=things[thing][0],
+            thing=things[thing][1],
+            kind=kind,
+            property=property,
+            value=value,
+            sd=sd,
+            low=low,
+            high=high,
+            unit=None if scale is None else unit_told,
+            label=label,
+            measured_by=named[setup],
         )
-        .join(recordings, recordings.c.id == entries.c.recording_id)
-        .join(setups, setups.c.id == entries.c.setup_id)
-        .join(things, things.c.id == entries.c.thing_id)
+
+
+def _scale(unit: str | None, told: str | None) -> float | None:
+    """By what numbers are multiplied to be told in another unit; None where one of both is not known."""
+    return None if unit is None or told is None else unit_of(unit).factor / unit_of(told).factor
+
+
+def _heads(connection: Connection, thing: ThingRef) -> dict[int, tuple[str, str]]:
+    """Rows of an object and of those merged into it, each with the dataset and the name under which it counts."""
+    things, head = schema.things, schema.things.alias("head")
+    asked = (
+        select(things.c.id, things.c.dataset, things.c.name, head.c.dataset, head.c.name)
         .join(head, head.c.id == things.c.merged_into, isouter=True)
-        .where(condition, viewer.of(recordings))
-        .order_by(entries.c.recorded_us.desc(), entries.c.recording_id.desc(), entries.c.position.desc())
-        .add_columns(things.c.dataset.label("own_dataset"), things.c.name.label("own_name"))
+        .where(things.c.id.in_(rows_of(thing)))
     )
-    with reading(store.engine) as connection:
-        units = {row.name: row.unit for row in connection.execute(select(schema.properties))}
-        rows = connection.execute(asked).mappings().all()
-        for row in reversed(rows):
-            named = _measured_by(setup_of(row["setup_digest"], row["setup"]))
-            yield _result(row, units.get(row["property"] or ""), named)
+    return {row: (of or dataset, called or name) for row, dataset, name, of, called in connection.execute(asked)}
 
 
-def _result(row: Mapping[Any, Any], unit: str | None, measured_by: str) -> Result:
-    scale = None
-    if row["unit"] is not None and unit is not None:
-        scale = unit_of(row["unit"]).factor / unit_of(unit).factor
-    numbers: dict[str, Any] = {
-        name: None if scale is None or row[name] is None else row[name] * scale for name in NUMBERS
-    }
-    same = ("action", "kind", "property", "label")
-    return Result(
-        recording=UUID(bytes=row["uuid"]),
-        recorded_at=EPOCH + timedelta(microseconds=row["recorded_us"]),
-        ground_truth=bool(row["ground_truth"]),
-        dataset=row["dataset"] or row["own_dataset"],
-        thing=row["thing"] or row["own_name"],
-        unit=None if scale is None else unit,
-        measured_by=measured_by,
-        **numbers,
-        **{name: row[name] for name in same},
-    )
-
-
-NUMBERS = ("value", "sd", "low", "high")
+def _names_of_setups(connection: Connection, rows: Collection[int]) -> dict[int, str]:
+    setups = schema.setups
+    asked = select(setups).where(setups.c.id.in_(rows))
+    return {row.id: _measured_by(setup_of(row.digest, row.document)) for row in connection.execute(asked)}
 
 
 def _measured_by(setup: Setup) -> str:
