@@ -11,12 +11,14 @@ import pytest
 from fastapi.testclient import TestClient
 
 from palpate.server.api import models
+from palpate.server.app import application
 from palpate.store.describing import change_thing, keep_image
 from palpate.store.entries import Distribution, Value
 from palpate.store.keeping_episodes import put_episode
 from palpate.store.merging import merge_things
 from palpate.store.records import Channel, Device, FileItem, Recording, Series, Setup, ThingRef
 from palpate.store.store import Store
+from tests.server.conftest import SMALL
 from tests.store.made_up import START, made_episode, squeeze
 
 API = "/api/v1"
@@ -230,16 +232,23 @@ def test_a_part_of_a_file(client: TestClient, store: Store) -> None:
 def test_the_document_describes_what_is_there(client: TestClient) -> None:
     """The OpenAPI document has each address, and problems as the form of errors."""
     document = client.get(f"{API}/openapi.json").json()
-    assert f"{API}/recordings/{{digest}}" in document["paths"]
+    assert f"{API}/recordings/{{key}}" in document["paths"]
     listed = document["paths"][f"{API}/recordings"]["get"]
     assert {one["name"] for one in listed["parameters"]} >= {"limit", "cursor", "material", "since"}
-    assert listed["responses"]["422"]["content"]["application/json"]["schema"]["$ref"].endswith("/Problem")
+    assert listed["responses"]["422"]["content"]["application/problem+json"]["schema"]["$ref"].endswith("/Problem")
 
 
 def test_health_and_metrics(client: TestClient, token: Callable[..., dict[str, str]]) -> None:
     """Health is told, and requests are counted by route, not by what was asked."""
     assert client.get("/health").json() == {"status": "ok"}
     client.get(f"{API}/recordings/nothing")
-    told = client.get("/metrics").text
+    told = client.get("/metrics", headers=token("ann")).text
     assert "palpate_requests_total" in told
     assert "nothing" not in told
+
+
+def test_metrics_are_for_this_computer(client: TestClient, store: Store) -> None:
+    """From elsewhere they need a token."""
+    assert client.get("/metrics").status_code == 401
+    for here in ("127.0.0.1", "::1"):
+        assert TestClient(application(store, SMALL), client=(here, 1)).get("/metrics").status_code == 200

@@ -288,7 +288,7 @@ def test_no_address_was_forgotten(client: TestClient, world: World) -> None:
     thing = f"{API}/objects/{{dataset}}/{{name}}"
     corrections = {(method.lower(), f"{thing}{path.partition('?')[0]}") for method, path, _ in OPERATIONS}
     assert others == {
-        ("put", f"{API}/recordings/{{digest}}"),
+        ("put", f"{API}/recordings/{{key}}"),
         ("post", f"{API}/recordings"),
         ("post", f"{API}/recordings/known"),
         ("put", f"{API}/episodes/{{id}}"),

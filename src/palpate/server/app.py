@@ -15,6 +15,7 @@ from starlette.middleware import Middleware
 from palpate import __version__
 from palpate.server import watching
 from palpate.server.api import corrections, episodes, objects, recordings, results, series, setups, sharing, users
+from palpate.server.document import Described
 from palpate.server.heads import HeadAsGet
 from palpate.server.pages import site
 from palpate.server.problems import OLD_ADDRESSES, Problem, Unexpected, install
@@ -33,7 +34,9 @@ __all__ = ["application", "from_environment"]
 
 API = "/api/v1"
 PARTS = (corrections, objects, recordings, series, results, setups, episodes, sharing, users)
-PROBLEMS: dict[int | str, dict[str, Any]] = {status: {"model": Problem} for status in (401, 403, 404, 422, 429, 503)}
+PROBLEMS: dict[int | str, dict[str, Any]] = {
+    status: {"model": Problem} for status in (400, 401, 403, 404, 422, 429, 503)
+}
 BURST_S = 20.0
 """An address may ask at once what it may ask in so many seconds."""
 THREADS = 12
@@ -59,7 +62,7 @@ def application(store: Store, settings: Settings | None = None) -> FastAPI:
         previews.close()
         store.close()
 
-    app = FastAPI(
+    app = Described(
         title="Palpate",
         version=__version__,
         description=ABOUT,

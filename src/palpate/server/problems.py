@@ -20,10 +20,12 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from palpate.errors import PalpateError
+from palpate.server.methods import methods_of
 from palpate.server.pages.templates import error_page
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
 
 __all__ = [
+    "MEDIA_TYPE",
     "OLD_ADDRESSES",
     "Problem",
     "ProblemError",
@@ -128,6 +130,8 @@ def _is_page(request: Request) -> bool:
 
 
 async def _http(request: Request, error: Any) -> Response:
+    if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
+        error.headers = {**(error.headers or {}), "Allow": ", ".join(methods_of(request.app, request.scope))}
     return _answer(request, error)
 
 

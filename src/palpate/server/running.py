@@ -14,6 +14,7 @@ from urllib.parse import SplitResult, urlsplit
 import uvicorn
 
 from palpate.errors import PalpateError
+from palpate.server.security.connections import MindedConnection
 from palpate.server.settings import Settings
 
 __all__ = ["Address", "PublicAddress", "local_key", "serve"]
@@ -132,6 +133,7 @@ def serve(settings: Settings, address: Address, *, workers: int = 1) -> None:
             host=address.host,
             port=address.port,
             workers=workers,
+            http=MindedConnection,
             access_log=False,
             log_level="warning",
             server_header=False,

@@ -6,8 +6,9 @@ import json
 import logging
 import sys
 import time
+from ipaddress import ip_address
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 from fastapi.responses import JSONResponse, Response
 from prometheus_client import CONTENT_TYPE_LATEST, REGISTRY, CollectorRegistry, Counter, Histogram, generate_latest
 from prometheus_client.multiprocess import MultiProcessCollector
@@ -15,6 +16,10 @@ from sqlalchemy import text
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from palpate.server.api.parameters import StoreOf
+from palpate.server.problems import Problem, problem
+from palpate.server.security.accounts import Role
+from palpate.server.security.rates import address_of
+from palpate.server.security.who import Who
 
 __all__ = ["Watching", "router", "start_log"]
 
@@ -33,10 +38,19 @@ def health(store: StoreOf) -> Response:
     return JSONResponse({"status": "ok"})
 
 
-@router.get("/metrics")
-def metrics() -> Response:
-    """Counts and times for Prometheus, of all workers."""
+@router.get("/metrics", response_class=Response, responses={401: {"model": Problem}})
+def metrics(request: Request, who: Who) -> Response:
+    """Counts and times for Prometheus, of all workers: to this computer, and to whoever has a token."""
+    if who.role is Role.NOBODY and not _is_local(address_of(request)):
+        raise problem(401, "metrics are for this computer, or need a token", headers={"WWW-Authenticate": "Bearer"})
     return Response(generate_latest(_registry()), media_type=CONTENT_TYPE_LATEST)
+
+
+def _is_local(address: str) -> bool:
+    try:
+        return ip_address(address).is_loopback
+    except ValueError:
+        return False
 
 
 def _registry() -> CollectorRegistry:

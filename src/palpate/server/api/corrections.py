@@ -41,6 +41,13 @@ class Description(models.Strict):
     attributes: dict[str, Any] = Field({}, max_length=200)
 
 
+class Forgotten(models.Strict):
+    """What a source, or any, says of a property; a name that is mistyped must not make it any."""
+
+    property: Text
+    source: Text | None = None
+
+
 class Into(models.Strict):
     """The object that another one counts as from now on."""
 
@@ -66,11 +73,9 @@ def know(corrections: Of, known: models.Known) -> Response:
 
 
 @router.delete("/known", response_model=models.Object)
-def forget(
-    corrections: Of, property: Annotated[Text, Query()], source: Annotated[Text | None, Query()] = None
-) -> Response:
+def forget(corrections: Of, asked: Annotated[Forgotten, Query()]) -> Response:
     """Tell no longer what a source, or any source, says of a property."""
-    corrections.forget(property, source)
+    corrections.forget(asked.property, asked.source)
     return _now(corrections)
 
 

@@ -32,6 +32,8 @@ SHOWN: Mapping[str, tuple[tuple[int, bytes], ...]] = {
 }
 """What may be shown, and how it begins."""
 SAME = {"image/jpg": "image/jpeg", "audio/x-wav": "audio/wav", "audio/wave": "audio/wav", "audio/vnd.wave": "audio/wav"}
+LONGEST_NAME, LONGEST_ENDING = 60, 12
+"""Letters; one may take four bytes, and each of them three in a header."""
 NO_TYPE = "application/octet-stream"
 BEGINNING_BYTES = 16
 SIGNED_FOR_S = 60
@@ -133,5 +135,13 @@ def _disposition(shown: str, name: str) -> str:
 
 
 def _plain_name(name: str) -> str:
-    """The last part of a name, as programs propose it as a file's."""
-    return name.replace("\\", "/").rsplit("/", 1)[-1] or "file"
+    """The last part of a name, as programs propose it as a file's.
+
+    Without what is not printed, as a letter that turns the direction of writing shows an ending that is none; and not
+    longer than a file's name may be.
+    """
+    last = "".join(letter for letter in name.replace("\\", "/").rsplit("/", 1)[-1] if letter.isprintable())
+    stem, dot, ending = last.rpartition(".")
+    if dot and len(ending) < LONGEST_ENDING:
+        last = f"{stem[: LONGEST_NAME - len(ending)]}.{ending}"
+    return last[: LONGEST_NAME + 1].lstrip(".") or "file"

@@ -29,6 +29,7 @@ __all__ = [
     "SeriesInfo",
     "SeriesSamples",
     "Setup",
+    "Strict",
     "Token",
     "User",
 ]

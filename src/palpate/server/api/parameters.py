@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated
 from uuid import UUID
 
@@ -20,7 +21,7 @@ from palpate.store.visible_things import visible_thing
 __all__ = ["Place", "SeenRecording", "SeenThing", "StoreOf", "seen_thing"]
 
 Place = Annotated[int, Path(ge=0, le=1_000_000)]
-DIGEST_LETTERS = 64
+DIGEST = re.compile("[0-9a-fA-F]{64}")
 
 
 def _store(request: Request) -> Store:
@@ -39,7 +40,7 @@ def _recording(store: StoreOf, who: Who, key: Annotated[str, Path(description="I
 
 def _key(text: str) -> UUID | bytes:
     try:
-        return bytes.fromhex(text) if len(text) == DIGEST_LETTERS else UUID(text)
+        return bytes.fromhex(text) if DIGEST.fullmatch(text) else UUID(text)
     except ValueError:
         raise problem(404, f"recording {text[:80]}: is no id and no digest") from None
 

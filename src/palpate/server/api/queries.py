@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from palpate.store.filters import Sort
 from palpate.store.listing_episodes import EpisodePage, list_episodes
@@ -28,6 +28,15 @@ def _plain(text: str) -> str:
     return text
 
 
+def _no_bare_number(moment: object) -> object:
+    # it would be taken for seconds since 1970
+    try:
+        float(str(moment))
+    except ValueError:
+        return moment
+    raise ValueError("is a number, expected a date such as 2024-05-01T12:00:00Z")
+
+
 def _in_utc(moment: datetime) -> datetime:
     return moment if moment.utcoffset() is not None else moment.replace(tzinfo=UTC)
 
@@ -45,7 +54,7 @@ def _no_large_numbers(cursor: str) -> str:
 
 Text = Annotated[str, Field(max_length=500), AfterValidator(_plain)]
 CursorText = Annotated[Text, AfterValidator(_no_large_numbers)]
-Moment = Annotated[datetime, AfterValidator(_in_utc)]
+Moment = Annotated[datetime, BeforeValidator(_no_bare_number), AfterValidator(_in_utc)]
 Pair = Annotated[str, Field(max_length=500, pattern=r"^[^:\x00]+:[^\x00]+$", examples=["material:wood"])]
 
 
@@ -94,7 +103,7 @@ class RecordingQuery(PageQuery):
     property: Text | None = Field(None, description="There is a result of this property.")
     device: Text | None = None
     gripper: Text | None = None
-    setup: str | None = Field(None, pattern="^[0-9a-f]{64}$", description="Digest of the setup.")
+    setup: str | None = Field(None, pattern="^([0-9a-f]{64})?$", description="Digest of the setup.")
     owner: Text | None = None
     since: Moment | None = Field(None, description="Recorded then or later; in UTC unless it says otherwise.")
     until: Moment | None = Field(None, description="Recorded before.")

@@ -43,7 +43,7 @@ BATCH = {
 }
 MOST_PACKAGES = 1_000
 PIECE_BYTES = 1 << 20
-REFUSALS: dict[int | str, dict[str, Any]] = {status: {"model": Problem} for status in (401, 403, 408, 409, 413, 422)}
+REFUSALS: dict[int | str, dict[str, Any]] = {status: {"model": Problem} for status in (409, 415)}
 
 
 @router.get("", response_model=Page[RecordingRow])
@@ -107,14 +107,14 @@ def get_log(store: StoreOf, head: SeenRecording) -> Response:
 
 
 @router.put(
-    "/{digest}",
+    "/{key}",
     response_model=Receipt,
     responses={201: {"model": Receipt}, **REFUSALS},
     openapi_extra={"requestBody": {"required": True, "content": UPLOAD}},
 )
 async def put_recording(
     request: Request,
-    digest: Annotated[str, Path(pattern="^[0-9a-f]{64}$")],
+    key: Annotated[str, Path(pattern="^[0-9a-f]{64}$", description="Digest.")],
     who: Annotated[Account, Depends(needs(Role.OWNER))],
 ) -> Response:
     """Keep a recording: 201 where it is new, 200 where the store has it already.
@@ -123,7 +123,7 @@ async def put_recording(
     """
     state = state_of(request)
     async with spooled(request) as package:
-        receipt = await run_in_threadpool(receive, state, who, digest, package)
+        receipt = await run_in_threadpool(receive, state, who, key, package)
     found = {"id": str(receipt.id), "digest": receipt.digest, "new": receipt.new}
     return answer(found, 201 if receipt.new else 200, {"Location": f"{plain.ROOT}/recordings/{receipt.id}"})
 

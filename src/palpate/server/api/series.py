@@ -12,11 +12,12 @@ import numpy as np
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response, StreamingResponse
 from numpy.typing import NDArray
+from pydantic import Field
 
 from palpate.server.api import plain
 from palpate.server.api.answers import answer, finite
 from palpate.server.api.downloads import download
-from palpate.server.api.models import Page, SeriesInfo, SeriesSamples
+from palpate.server.api.models import Page, SeriesInfo, SeriesSamples, Strict
 from palpate.server.api.parameters import Place, SeenRecording, StoreOf
 from palpate.server.problems import problem
 from palpate.store.content import canonical_array
@@ -33,7 +34,14 @@ router = APIRouter(prefix="/recordings/{key}/series", tags=["series"])
 LARGEST_VALUES = 2_000_000
 """Samples as text; more of them are to be had as Arrow."""
 SLOWEST_SOUND_HZ = 4_000
+CSV, ARROW = "text/csv", "application/vnd.apache.arrow.stream"
 Form = Literal["json", "csv", "arrow"]
+
+
+class Asked(Strict):
+    """In which form."""
+
+    form: Form = Field("json", alias="format")
 
 
 @router.get("", response_model=Page[SeriesInfo])
@@ -42,10 +50,8 @@ def list_series(head: SeenRecording) -> Response:
     return answer({"items": plain.series_infos(head), "next": None})
 
 
-@router.get("/{position}", response_model=SeriesSamples)
-def get_series(
-    store: StoreOf, head: SeenRecording, position: Place, form: Annotated[Form, Query(alias="format")] = "json"
-) -> Response:
+@router.get("/{position}", response_model=SeriesSamples, responses={200: {"content": {CSV: {}, ARROW: {}}}})
+def get_series(store: StoreOf, head: SeenRecording, position: Place, asked: Annotated[Asked, Query()]) -> Response:
     """A series with its samples.
 
     As CSV and Arrow it has a row for each sample: channel, index, time [s] where it is known, and value; a sample
@@ -53,9 +59,9 @@ def get_series(
     """
     series = found_series(store, head, position)
     count = sum(channel.values.size for channel in series.channels)
-    if form != "arrow" and count > LARGEST_VALUES:
+    if asked.form != "arrow" and count > LARGEST_VALUES:
         raise problem(422, f"format: {count} numbers are too many as text, expected format=arrow")
-    return FORMS[form](series)
+    return FORMS[asked.form](series)
 
 
 @router.get("/{position}/channels/{channel}/sound", response_class=Response)
@@ -124,7 +130,7 @@ def seconds(channel: Channel) -> NDArray[np.float64] | None:
 
 
 def _as_csv(series: Series) -> Response:
-    return StreamingResponse(_csv_lines(series), media_type="text/csv", headers=_attached("csv"))
+    return StreamingResponse(_csv_lines(series), media_type=CSV, headers=_attached("csv"))
 
 
 def _csv_lines(series: Series) -> Iterator[str]:
@@ -156,7 +162,7 @@ def _as_arrow(series: Series) -> Response:
     with pa.ipc.new_stream(sink, table.schema) as writer:
         writer.write_table(table)
     data = sink.getvalue().to_pybytes()
-    return Response(data, 200, _attached("arrows"), "application/vnd.apache.arrow.stream")
+    return Response(data, 200, _attached("arrows"), ARROW)
 
 
 def _arrow_schema() -> pyarrow.Schema:

@@ -42,9 +42,11 @@ class Drawing:
 
     def markup(self) -> Markup:
         """The picture, to stand in a page."""
-        title, box = escape(self.title), f"0 0 {self.width} {self.height}"
-        head = f'<svg class="plot" viewBox="{box}" role="img" aria-label="{title}"><title>{title}</title>'
-        return Markup(f"{head}{''.join(self._parts)}</svg>")
+        title, box, body = escape(self.title), f"0 0 {self.width} {self.height}", "".join(self._parts)
+        # what is within a picture is hidden from who does not see it, and links must not be
+        role = "group" if "<a " in body else "img"
+        head = f'<svg class="plot" viewBox="{box}" role="{role}" aria-label="{title}"><title>{title}</title>'
+        return Markup(f"{head}{body}</svg>")
 
     def line(self, x1: float, y1: float, x2: float, y2: float, kind: str) -> None:
         """A line."""

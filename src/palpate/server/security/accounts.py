@@ -189,12 +189,19 @@ def issue(store: Store, name: str, role: Role | None = None, *, days: float | No
 
 
 def set_password(store: Store, name: str, password: str) -> None:
-    """Give an account a password, with which its pages are opened in a browser."""
-    kept = hashed(password)
+    """Give an account a password, with which its pages are opened in a browser; whoever is logged in is no more.
+
+    So are tokens that were made for no longer than a session lasts; others, which programs have, go on.
+    """
+    kept, sessions = hashed(password), schema.tokens.c
     with changing(store.engine) as connection:
-        done = connection.execute(update(schema.users).where(schema.users.c.name == name).values(password_hash=kept))
-        if not done.rowcount:
+        id = connection.scalar(select(schema.users.c.id).where(schema.users.c.name == name))
+        if id is None:
             raise _no_account(name)
+        connection.execute(update(schema.users).where(schema.users.c.id == id).values(password_hash=kept))
+        short = sessions.expires_us - sessions.created_us <= int(SESSION_DAYS * MICROSECONDS_PER_DAY)
+        held = (sessions.user_id == id, short, sessions.revoked_us.is_(None))
+        connection.execute(update(schema.tokens).where(*held).values(revoked_us=now_us()))
 
 
 def log_in(store: Store, name: str, password: str) -> str | None:

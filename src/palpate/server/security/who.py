@@ -7,6 +7,7 @@ from hmac import compare_digest
 from typing import Annotated
 
 from fastapi import Depends, Request
+from fastapi.security import HTTPBearer
 
 from palpate.server.problems import problem
 from palpate.server.security.accounts import Account, Role, account_of
@@ -16,6 +17,8 @@ from palpate.server.state import state_of
 __all__ = ["COOKIE", "SESSION", "Who", "needs"]
 
 COOKIE, SESSION = "palpate-key", "palpate-session"
+TOKEN = HTTPBearer(scheme_name="token", description="A token of `palpate user token`.", auto_error=False)
+"""For the document of the service: which operations need one."""
 HOST_NAME = "owner of the store"
 """Whoever started the server, on their own computer."""
 
@@ -50,7 +53,7 @@ def needs(role: Role) -> Callable[..., Awaitable[Account]]:
     """A dependency that lets nobody with a lesser role do something."""
 
     # nothing waits here: a thread of its own would take longer than all of it
-    async def checked(request: Request, who: Who) -> Account:
+    async def checked(request: Request, who: Who, _: Annotated[object, Depends(TOKEN)]) -> Account:
         # a browser sends cookies along whoever has written the page
         if request.method not in ("GET", "HEAD") and "authorization" not in request.headers and request.cookies:
             check_same_site(request)

@@ -50,7 +50,10 @@ async function renew(then) {
     for (const part of document.querySelectorAll("[data-part]")) {
       const other = page.querySelector(`[data-part=${part.dataset.part}]`);
       if (!other) continue;
-      if (part.getAttribute("role") === "log") part.append(...[...other.children].slice(part.children.length));
+      if (part.getAttribute("role") === "log") {
+        const lines = part.firstElementChild;
+        lines.append(...[...other.firstElementChild.children].slice(lines.children.length));
+      }
       else replace(part, other);
     }
     then();

@@ -1,0 +1,222 @@
+"""Pages can be read, reached and operated by everybody: axe, the keyboard, less motion, and paper."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from dataclasses import replace
+from datetime import UTC, datetime
+from typing import Any
+from uuid import uuid4
+
+import numpy as np
+import pytest
+
+from palpate.server.example import add_example
+from palpate.server.security.accounts import Role, add_user, set_password
+from palpate.store.blobs import FolderBlobs
+from palpate.store.keeping_episodes import get_episode, put_episode
+from palpate.store.listing_episodes import list_episodes
+from palpate.store.opening import open_store
+from palpate.store.pictures import png
+from palpate.store.records import Channel, Device, FileItem, Recording, Series, Setup, ThingRef
+from palpate.store.store import Store
+from palpate.store.viewing import Viewer
+from palpate.store.visible_setups import seen_devices
+from tests.server.serving import served
+from tests.store.made_up import squeeze
+
+CHROMIUM = os.environ.get("PALPATE_TEST_CHROMIUM") or shutil.which("chromium")
+playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+axe = pytest.importorskip("axe_playwright_python.base", reason="axe is not installed")
+pytestmark = [
+    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed, and PALPATE_TEST_CHROMIUM not set"),
+    # the event loop of playwright is closed by the process that it talks to
+    pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
+]
+PASSWORD = "correct horse battery"
+DESKTOP, PHONE = {"width": 1280, "height": 900}, {"width": 390, "height": 844}
+FAULTS = """axe.run({resultTypes: ["violations"]}).then(found => found.violations
+  .filter(one => ["serious", "critical"].includes(one.impact))
+  .map(one => `${one.id}: ${one.help}: ` + one.nodes.slice(0, 3).map(node => node.html.slice(0, 200)).join(" | ")))"""
+LOOKS = [("dark", DESKTOP), ("light", PHONE)]
+if "PALPATE_TEST_ALL_LOOKS" in os.environ:
+    LOOKS += [("light", DESKTOP), ("dark", PHONE)]
+
+
+def bell() -> Recording:
+    """With all that a recording may have: a sound, a picture, a page, a log, notices, parameters and a calibration."""
+    tone = Channel("sound", "sound pressure", None, np.sin(np.arange(16_000) / 5), rate_hz=8000.0)
+    device = Device("gripper", "hand", "somebody", {"stroke_mm": 85}, {"offset_mm": 0.5}, "2024-01-02")
+    return squeeze(
+        visibility="public",
+        thing=ThingRef("lab", "bell", "brass bell", "somebody", {"colour": "yellow"}, ("gong",)),
+        action="knocking",
+        setup=Setup(gripper=device),
+        series=(*squeeze().series, Series("microphone", (tone,))),
+        files=(
+            FileItem("front.png", "image/png", png(np.full((40, 60, 3), 99, np.uint8), "front")),
+            FileItem("note.html", "text/html", b"<p>"),
+        ),
+        log="knock\n" * 40,
+        notices=("the gripper slipped",),
+    )
+
+
+class Place:
+    """A server with example data, one account, and the addresses of its pages."""
+
+    def __init__(self, store: Store) -> None:
+        add_example(store, count=40)
+        recording = bell()
+        store.put(recording)
+        add_user(store, "carl", Role.ADMIN)
+        set_password(store, "carl", PASSWORD)
+        shown = get_episode(store, list_episodes(store, limit=1).rows[0].id)
+        unfinished = replace(shown, steps=(), id=uuid4(), started_at=datetime.now(UTC))
+        put_episode(store, unfinished)
+        self.public = [
+            "/",
+            "/objects",
+            "/objects?text=nothing+of+that+name",
+            "/objects/lab/bell",
+            "/objects/ycb/011_banana",
+            "/recordings",
+            f"/recordings/{recording.id}",
+            "/compare",
+            "/devices",
+            *(f"/devices/{one.digest}" for one in seen_devices(store, Viewer())[:1]),
+            "/benchmark",
+            "/compare?property=elasticity&object=ycb%2F011_banana",
+            f"/setups/{recording.setup.digest}",
+            "/episodes",
+            f"/episodes/{shown.id}",
+            f"/episodes/{unfinished.id}",
+            "/guides",
+            *(f"/guides/{name}" for name in ("record", "upload", "api", "cite")),
+            "/login",
+            "/nothing/of/that/name",
+            "/recordings?limit=0",
+        ]
+        self.own = ["/", "/objects/lab/bell/edit", f"/recordings/{recording.id}", f"/episodes/{shown.id}", "/upload"]
+        self.recording = f"/recordings/{recording.id}"
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Place, str]]:
+    folder = tmp_path_factory.mktemp("site")
+    where = (str(folder / "store.sqlite"), str(folder / "blobs"))
+    with Store(open_store(*where, durable=False).engine, FolderBlobs(folder / "blobs")) as store:
+        found = Place(store)
+    with served(where[0], "--blobs", where[1]) as (address, _):
+        yield found, address
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with playwright.sync_playwright() as started:
+        found = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield found
+        found.close()
+
+
+@pytest.fixture
+def page(browser: Any, place: tuple[Place, str]) -> Iterator[Any]:
+    context = browser.new_context(base_url=place[1], viewport=DESKTOP)
+    yield context.new_page()
+    context.close()
+
+
+def log_in(page: Any) -> None:
+    page.goto("/login")
+    page.get_by_label("Name").fill("carl")
+    page.get_by_label("Password").fill(PASSWORD)
+    page.get_by_role("button", name="Log in").click()
+    page.get_by_role("button", name="Log out").wait_for()
+
+
+def faults_of(page: Any, address: str) -> Iterator[str]:
+    """What axe finds serious or critical, in each look."""
+    page.goto(address)
+    page.evaluate(axe.AXE_SCRIPT)
+    for scheme, size in LOOKS:
+        page.emulate_media(color_scheme=scheme)
+        page.set_viewport_size(size)
+        for fault in page.evaluate(FAULTS):
+            yield f"{address} {scheme} {size['width']}: {fault}"
+
+
+def test_axe_finds_nothing_serious(page: Any, place: tuple[Place, str]) -> None:
+    """On each kind of page, light and dark, on a desktop and on a phone, for everybody and for who is logged in."""
+    faults = [fault for address in place[0].public for fault in faults_of(page, address)]
+    log_in(page)
+    faults += [fault for address in place[0].own for fault in faults_of(page, address)]
+    assert not faults, "\n".join(faults)
+
+
+def stops(page: Any) -> Iterator[tuple[str, bool]]:
+    """What the tabulator stops at, and whether one sees that it does, until it comes around."""
+    seen = 0
+    while seen < 200:
+        page.keyboard.press("Tab")
+        found = page.evaluate(STOP)
+        if found is None:
+            return
+        seen += 1
+        yield found[0], found[1]
+
+
+STOP = """() => { const one = document.activeElement; if (one === document.body) return null;
+  const style = getComputedStyle(one);
+  return [(one.textContent.trim() || one.name || one.outerHTML).slice(0, 40),
+          style.outlineStyle !== "none" && parseFloat(style.outlineWidth) >= 2]; }"""
+
+
+@pytest.mark.parametrize("size", [DESKTOP, PHONE], ids=["desktop", "phone"])
+def test_the_keyboard_reaches_all_and_shows_where_it_is(page: Any, place: tuple[Place, str], size: Any) -> None:
+    """Menu, search, filters and buttons; the first stop leads past the menu to the content."""
+    page.set_viewport_size(size)
+    page.goto("/")
+    found = list(stops(page))
+    assert [name for name, shown in found if not shown] == []
+    names = [name for name, _ in found]
+    assert names[0] == "Skip to the content"
+    for wanted in ("Objects", "Recordings", "Compare", "Explorations", "Devices", "Guides", "Log in", "text", "Search"):
+        assert wanted in names
+    page.goto("/recordings")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.name") == "text"
+    page.keyboard.type("bell")
+    page.keyboard.press("Enter")
+    page.wait_for_url("**/recordings?text=bell**")
+    page.goto(place[0].recording)
+    assert [name for name, shown in stops(page) if not shown] == []
+
+
+def test_who_wants_less_motion_gets_none(page: Any, place: tuple[Place, str]) -> None:
+    """Nothing moves by itself or slides where the reader has asked for less."""
+    page.emulate_media(reduced_motion="reduce")
+    for address in ("/", place[0].recording):
+        page.goto(address)
+        assert page.evaluate(MOVING) == []
+
+
+MOVING = """() => [...document.querySelectorAll("*")].filter(one => { const style = getComputedStyle(one);
+  const longest = times => Math.max(...times.split(",").map(parseFloat));
+  return longest(style.transitionDuration) > 0.01 || longest(style.animationDuration) > 0.01
+      || style.scrollBehavior === "smooth"; }).map(one => one.tagName)"""
+
+
+@pytest.mark.parametrize("name", ["recording", "object"])
+def test_pages_print(page: Any, place: tuple[Place, str], name: str) -> None:
+    """Dark pages too are black on white on paper, without what only a screen can do, and no wider than the paper."""
+    page.emulate_media(media="print", color_scheme="dark")
+    page.set_viewport_size({"width": 720, "height": 1000})
+    page.goto(place[0].recording if name == "recording" else "/objects/lab/bell")
+    colours = "one => [getComputedStyle(document.body).color, getComputedStyle(document.body).backgroundColor]"
+    assert page.evaluate(colours) == ["rgb(0, 0, 0)", "rgb(255, 255, 255)"]
+    for hidden in ("nav[aria-label=Main]", ".who", ".skip"):
+        assert not page.locator(hidden).is_visible()
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert page.pdf(format="A4")[:5] == b"%PDF-"
