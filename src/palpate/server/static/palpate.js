@@ -53,8 +53,9 @@ async function renew(then) {
       if (part.getAttribute("role") === "log") {
         const lines = part.firstElementChild;
         lines.append(...[...other.firstElementChild.children].slice(lines.children.length));
+      } else {
+        replace(part, other);
       }
-      else replace(part, other);
     }
     then();
   } catch {
