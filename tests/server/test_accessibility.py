@@ -216,6 +216,9 @@ def test_pages_print(page: Any, place: tuple[Place, str], name: str) -> None:
     page.goto(place[0].recording if name == "recording" else "/objects/lab/bell")
     colours = "one => [getComputedStyle(document.body).color, getComputedStyle(document.body).backgroundColor]"
     assert page.evaluate(colours) == ["rgb(0, 0, 0)", "rgb(255, 255, 255)"]
+    inks = "all => all.map(one => getComputedStyle(one).backgroundColor)"
+    assert set(page.locator("pre, header").evaluate_all(inks)) <= {"rgb(255, 255, 255)", "rgba(0, 0, 0, 0)"}
+    assert not [one for one in page.get_by_role("button").all() if one.is_visible()]
     for hidden in ("nav[aria-label=Main]", ".who", ".skip"):
         assert not page.locator(hidden).is_visible()
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")

@@ -11,7 +11,7 @@ __all__ = ["page_colours"]
 
 SHEET = Path(__file__).parents[1] / "static" / "style.css"
 COLOUR = re.compile(r"--([\w-]+):\s*(#[0-9a-f]{3,6})\b")
-DARK = "@media (prefers-color-scheme: dark)"
+DARK = "@media screen and (prefers-color-scheme: dark)"
 
 
 @lru_cache(maxsize=2)
