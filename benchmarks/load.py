@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -66,7 +67,7 @@ def loaded(address: str, token: str, *, uploading: int, browsing: int, seconds: 
                     return
                 one = owned((number + 1) * 10**6 + place, 1)[0]
                 sent = (one.digest, package(one))
-                while (status := load.note("upload", lambda sent=sent: asking.put(sent))[0]) == BUSY:
+                while (status := load.note("upload", partial(asking.put, sent))[0]) == BUSY:
                     time.sleep(0.1)
                 if status in (200, 201):
                     load.kept.add(one.digest)
@@ -78,7 +79,7 @@ def loaded(address: str, token: str, *, uploading: int, browsing: int, seconds: 
             while time.monotonic() < end:
                 known = list(load.kept)[-1:]
                 path = rng.choice([*PAGES, *(f"/recordings/{digest}" for digest in known)])
-                load.note("page", lambda path=path: asking.get(path, accept="text/html"))
+                load.note("page", partial(asking.get, path, accept="text/html"))
                 time.sleep(rng.uniform(0, PAUSE_S))
 
     with ThreadPoolExecutor(uploading + browsing) as threads:
