@@ -78,6 +78,26 @@ def test_unknown_unit(text: str) -> None:
         unit_of(text)
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["9**9**9", "2^9999999999*g", "9⁹⁹⁹⁹⁹⁹⁹⁹", "9**(9*9*9*9*9*9*9*9*9)", "9**(2)(9999999)", "((m^99)^99)^99", "g" * 201]
+    + ["g/0", "0*g", "-1*g", "(-8)**0.5*g", "9.0**999*g"],
+)
+def test_a_unit_that_is_a_sum_to_work_out_is_none(text: str) -> None:
+    """Whoever sends a number names its unit, and pint would work out for hours what stands there."""
+    code = f"from palpate.network.units import unit_of, UnitError\ntry: unit_of({text!r})\nexcept UnitError: print('refused')"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=20)
+    assert found.stdout == "refused\n"
+
+
+@pytest.mark.parametrize(
+    "text", ["m²", "kg·m²·s⁻²", "m**(1/2)", "m^0.5", "(kg*m)^2", "1/s", "cmH2O", "m**(-2)", "s ^ - 2"]
+)
+def test_powers_of_units_are_read(text: str) -> None:
+    """However they are written."""
+    assert ask_pint(text).factor > 0
+
+
 def test_unit_with_an_offset() -> None:
     """Degrees Celsius are not a multiple of kelvin and are refused."""
     with pytest.raises(UnitError, match="has an offset"):

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from math import inf, prod
 from pathlib import Path
 from threading import Lock
 from tokenize import TokenError
@@ -22,6 +24,17 @@ __all__ = ["Unit", "UnitError", "ask_pint", "dimension_fault", "factor", "in_uni
 
 SHIPPED = Path(__file__).parents[1] / "data" / "units.json"
 Dimension = Mapping[str, float]
+LONGEST = 200
+LARGEST_POWER = 1000.0
+"""All powers of a unit multiplied, as they may be nested."""
+POWER = re.compile(
+    r"(?:\^|\*\*)\s*(?:\(\s*[-+]?\s*(\d+(?:\.\d+)?)(?:\s*/\s*\d+)?\s*\)|[-+]?\s*(\d+(?:\.\d+)?)(?![\w.]))(?!\s*(?:\^|\*\*))"
+)
+"""A power that is one number, and has no power of its own."""
+NUMBER = re.compile(r"(?<!\w)\.?\d[\w.]*")
+"""Beside powers there is only the one of 1/s."""
+SUPERSCRIPT = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
+AS_DIGITS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
 _ASKING = Lock()
 
 
@@ -66,18 +79,33 @@ def ask_pint(text: str) -> Unit:
     """As `unit_of`, from pint instead of the shipped answers."""
     import pint  # its import takes longer than reading a network
 
+    unknown = UnitError(f"unknown unit {text[:100]!r}; expected one such as 'g', 'cm^3', 'kg/m^3', 'kPa'")
+    if len(text) > LONGEST or not _is_quick(text):
+        raise unknown
     try:
         # the registry is made when it is first asked, and knows no units for whoever asks it meanwhile
         with _ASKING:
             quantity = pint.application_registry.Quantity
             zero, one = (quantity(value, text).to_base_units() for value in (0.0, 1.0))
-    except (pint.PintError, ValueError, TypeError, SyntaxError, TokenError, AssertionError):
-        raise UnitError(f"unknown unit {text!r}; expected one such as 'g', 'cm^3', 'kg/m^3', 'kPa'") from None
+        is_multiple = 0 < one.magnitude < inf
+    except (pint.PintError, ArithmeticError, ValueError, TypeError, SyntaxError, TokenError, AssertionError):
+        raise unknown from None
+    if not is_multiple:
+        raise unknown
     if zero.magnitude != 0:
         raise UnitError(f"unit {text!r} has an offset; expected a multiple of a base unit, such as 'K'")
     dimension = {str(name).strip("[]"): float(power) for name, power in sorted(one.dimensionality.items())}
     # 15 digits: pint multiplies 0.01 three times for a cubic centimetre.
     return Unit(float(f"{one.magnitude:.15g}"), dimension)
+
+
+def _is_quick(text: str) -> bool:
+    """Whether pint tells at once: it works out all that is asked, also nine to the ninth to the ninth."""
+    plain = SUPERSCRIPT.sub(lambda found: f"^{found[0].translate(AS_DIGITS)}", text)
+    powers = [float(bare or bracketed) for bracketed, bare in POWER.findall(plain)]
+    rest = POWER.sub(" ", plain)
+    is_plain = "^" not in rest and "**" not in rest and set(NUMBER.findall(rest)) <= {"1"}
+    return is_plain and prod(max(1.0, power) for power in powers) <= LARGEST_POWER
 
 
 def factor(unit_from: str, unit_to: str) -> float:
