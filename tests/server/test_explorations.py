@@ -1,5 +1,6 @@
 """Explorations that others send: line by line, in order, each once, by those who may, and only what a page can show."""
 
+import json
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -16,6 +17,8 @@ from palpate.episode.format import About, header_record, step_record
 from palpate.robots.sampled import SampledRobot
 from palpate.server import explorations
 from palpate.server.security.accounts import Role
+from palpate.store.describing import change_thing
+from palpate.store.entries import Value
 from palpate.store.episodes import StoredEpisode
 from palpate.store.keeping_episodes import get_episode
 from palpate.store.records import ThingRef
@@ -192,6 +195,26 @@ NO_BEGINNINGS: list[dict[str, Any]] = [
     {"visibility": "everybody"},
     {"more": 1},
 ]
+
+
+@pytest.mark.parametrize("unit", ["no such unit", "g", "mK"])
+def test_the_page_of_an_object_shows_beliefs_in_any_unit(
+    client: TestClient, store: Store, token: Token, episode: StoredEpisode, unit: str
+) -> None:
+    """Whoever sends an exploration says what its beliefs are in; what is known stands beside those it fits."""
+    ann, address = token("ann"), f"/api/v1/episodes/{episode.id}"
+    assert client.put(address, json=start_of(episode, visibility="public"), headers=ann).status_code == 201
+    change_thing(store, episode.thing, lambda thing: thing.knowing(Value("temperature", 300.0, None, "K"), "a scale"))
+    record = json.loads(json.dumps(episode.steps[0].record))
+    record["belief"]["temperature"]["unit"] = unit
+    line = {"record": record, "recording": None}
+    assert client.put(f"{address}/lines/1", json=line, headers=ann).status_code == 201
+    page = client.get(f"/objects/{episode.thing.dataset}/{episode.thing.id}")
+    assert page.status_code == 200
+    shown = page.text.partition(f"temperature [{unit}]")[2].partition("</svg>")[0]
+    assert shown
+    assert ("true: 300000" in shown) == (unit == "mK")
+    assert ("true: " in shown) == (unit == "mK")
 
 
 def test_a_beginning_that_is_none_is_refused(client: TestClient, token: Token, episode: StoredEpisode) -> None:

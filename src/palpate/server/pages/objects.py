@@ -11,7 +11,7 @@ from urllib.parse import urlencode
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response
 
-from palpate.network.units import unit_of
+from palpate.network.units import UnitError, factor
 from palpate.server.api.parameters import SeenThing, StoreOf
 from palpate.server.api.queries import ObjectQuery, Text
 from palpate.server.corrections import may_change
@@ -153,13 +153,13 @@ def _figure(thing: Thing, what: str, property: str) -> str:
     return f"/objects/{thing_address(thing.ref)}/{what}.json?{urlencode({'property': property})}"
 
 
-def _truths(name: str, unit: str | None, thing: Thing) -> list[tuple[float, str]]:
-    """Values that are known, in a unit."""
-    if unit is None:
+def _truths(name: str, unit: object, thing: Thing) -> list[tuple[float, str]]:
+    """Values that are known, in a unit; none where that is no unit of theirs, as beliefs may be in any."""
+    if not isinstance(unit, str):
         return []
     known = [(one.entry, one.source) for one in thing.known if isinstance(one.entry, Value)]
-    return [
-        (entry.value * unit_of(entry.unit).factor / unit_of(unit).factor, source)
-        for entry, source in known
-        if entry.property == name and entry.unit is not None
-    ]
+    own = [(entry, source) for entry, source in known if entry.property == name and entry.unit is not None]
+    try:
+        return [(entry.value * factor(entry.unit or unit, unit), source) for entry, source in own]
+    except UnitError:
+        return []
