@@ -329,6 +329,16 @@ def test_a_typed_measurement(ann: TestClient, store: Store) -> None:
     assert "wood 100%" in ann.post("/upload/one", data=label).text
 
 
+def test_a_number_that_is_none_is_not_kept(ann: TestClient, store: Store) -> None:
+    """It is told which, and nothing is kept."""
+    given = {"dataset": "our lab", "object": "mug", "action": "weighing", "property": "mass", "value": "1", "unit": "g"}
+    given["recorded_at"] = "2024-05-01T12:00"
+    for field, number in (("value", "nan"), ("value", "1e400"), ("sd", "inf"), ("sd", "much")):
+        found = ann.post("/upload/one", data={**given, field: number})
+        assert (found.status_code, f"{field}: found" in found.text) == (422, True), (field, number)
+    assert list_recordings(store).rows == ()
+
+
 def test_previews_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """After a while, and the oldest of an account when it has too many; those of others stay."""
     previews, others = Previews(tmp_path), Previews(tmp_path)

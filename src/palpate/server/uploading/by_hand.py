@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from datetime import UTC, datetime
+from math import isfinite, nan
 from typing import Any
 
 from palpate.server.security.accounts import Account
@@ -76,11 +77,17 @@ def _entry(fields: Mapping[str, str]) -> Entry:
         if unit or not value:
             raise StoreError(f"value: found {value[:40]!r}, expected a number, or a label without a unit") from None
         return Distribution(name, {value: 1.0})
+    if not isfinite(number):
+        # an id is made of it before the store looks at it
+        raise StoreError(f"value: found {value[:40]!r}, expected a finite number")
     return Value(name, number, _sd(fields.get("sd", "")), unit or None)
 
 
 def _sd(text: str) -> float | None:
     try:
-        return float(text) if text else None
+        sd = float(text) if text else None
     except ValueError:
-        raise StoreError(f"sd: found {text[:40]!r}, expected a number or nothing") from None
+        sd = nan
+    if sd is not None and not isfinite(sd):
+        raise StoreError(f"sd: found {text[:40]!r}, expected a number or nothing")
+    return sd
