@@ -361,6 +361,33 @@ def test_previews_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+def test_what_is_being_kept_is_removed_by_nobody(tmp_path: Path) -> None:
+    """Neither by who cancels it, nor for others of the account; it is kept once, and waits again where that failed."""
+    previews, others = Previews(tmp_path), Previews(tmp_path)
+    made = previews.new("ann's session", "ann")
+    assert made is not None
+    (made.folder / "found.json").write_text("[]")
+
+    def fail() -> None:
+        with previews.taken(made) as mine:
+            assert mine is not None
+            others.drop(made.id)
+            for _ in range(MOST_OF_ACCOUNT + 1):
+                others.new("ann's session", "ann")
+            assert mine.found() == []
+            with others.taken(made) as second:
+                assert second is None
+            raise OSError("the disk is full")
+
+    with pytest.raises(OSError, match="full"):
+        fail()
+    assert previews.get(made.id, "ann's session") is not None
+    with previews.taken(made) as mine:
+        assert mine is not None
+    assert not mine.folder.exists()
+    assert previews.get(made.id, "ann's session") is None
+
+
 def test_nobody_keeps_in_the_name_of_somebody_else(ann: TestClient, store: Store) -> None:
     """What states no owner may stay so, or be one's own; it is noted in any case who sent it."""
     for owner, shown in (("kim", "1 could not be kept"), ("", "1 recording is in the store")):

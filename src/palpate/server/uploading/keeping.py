@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from palpate.server.problems import problem
 from palpate.server.receiving import check_owner
 from palpate.server.security.accounts import Account
 from palpate.server.state import State
@@ -79,8 +80,9 @@ class _Waiting:
 
 def keep(state: State, who: Account, preview: Preview, wishes: Wishes) -> list[Outcome]:
     """Keep all recordings of a preview, and tell what became of each; then nothing of it waits any more."""
-    with open_store(preview.place, preview.blobs, durable=False, make=False) as scratch:
-        waiting = _Waiting(scratch, preview, wishes, who)
-        found = list(import_paths(state.store, [preview.place], [waiting], uploader=who.name))
-    state.previews.drop(preview.id)
-    return found
+    with state.previews.taken(preview) as mine:
+        if mine is None:
+            raise problem(404, "there is no upload that waits here: it was kept or cancelled just now")
+        with open_store(mine.place, mine.blobs, durable=False, make=False) as scratch:
+            waiting = _Waiting(scratch, mine, wishes, who)
+            return list(import_paths(state.store, [mine.place], [waiting], uploader=who.name))

@@ -9,6 +9,8 @@ import secrets
 import shutil
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
 from hmac import compare_digest
@@ -125,6 +127,23 @@ class Previews:
             return None
         found = Preview(id, self.root / id)
         return found if (found.folder / FOUND).is_file() else None
+
+    @contextmanager
+    def taken(self, preview: Preview) -> Iterator[Preview | None]:
+        """One that nobody else removes or keeps meanwhile, and that is gone then; None where others were first."""
+        # only names that are ids are looked at by others; it comes back where it could not be kept
+        aside = Preview(preview.id, self.root / f"kept-{secrets.token_hex(8)}")
+        try:
+            preview.folder.rename(aside.folder)
+        except FileNotFoundError:
+            yield None
+            return
+        try:
+            yield aside
+        except BaseException:
+            aside.folder.rename(preview.folder)
+            raise
+        shutil.rmtree(aside.folder, ignore_errors=True)
 
     def drop(self, id: str) -> None:
         """Remove one; nothing happens where another worker has."""
