@@ -167,6 +167,17 @@ def test_keys_are_asked_for_again_where_one_is_new(client: TestClient, provider:
 
 
 @HERE
+def test_a_provider_that_signs_by_shared_secrets_alone_logs_nobody_in(
+    client: TestClient, provider: FakeProvider
+) -> None:
+    """Also where its keys hold such a secret, which everybody can read there."""
+    provider.about = {"id_token_signing_alg_values_supported": ["HS256"]}
+    provider.key, provider.algorithm = OctKey.generate_key(256, {"kid": "first"}), "HS256"
+    assert sign_on(client, provider).status_code == 403
+    assert is_in(client) is None
+
+
+@HERE
 def test_an_answer_is_taken_once_and_by_who_asked(client: TestClient, provider: FakeProvider) -> None:
     """Not again, not from another browser, not with another state, and not from another provider."""
     back = provider.log_in(client.get(START).headers["location"])

@@ -166,6 +166,9 @@ class Provider:
 
         offered = self._about().get("id_token_signing_alg_values_supported") or ["RS256"]
         allowed = [name for name in ALGORITHMS if name in offered]
+        if not allowed:
+            # none named would mean those that the library allows, shared secrets among them
+            raise SignOnError("the provider offers no signature with a key of its own alone")
         registry = JWSRegistry(algorithms=allowed, strict_check_header=False)
         return jwt.decode(signed, KeySet.import_key_set(self._key_set(again=again)), registry=registry)
 
