@@ -18,8 +18,8 @@ MOST = 120
 
 
 @contextmanager
-def legible(where: str) -> Iterator[None]:
-    """Say where something is that cannot be read in the block.
+def legible(where: object) -> Iterator[None]:
+    """Say where something is that cannot be read in the block; ``str(where)`` is asked for only then.
 
     Raises
     ------

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from functools import cache
 from typing import TYPE_CHECKING, Any
 from uuid import UUID
 
@@ -20,7 +21,7 @@ from palpate.store.fetching import read_rows
 from palpate.store.filters import Cursor, Filter, Sort
 from palpate.store.legible import legible, reading
 from palpate.store.rows import EPOCH
-from palpate.store.seals import recording_name, sealed_document
+from palpate.store.seals import Named, sealed_document
 from palpate.store.store import Store
 from palpate.store.viewing import VisibleFilter
 from palpate.store.visible_words import seen_names
@@ -193,6 +194,18 @@ def _keys_and_rows(
 def _rows_asked(matched: Select[*tuple[Any, ...]] | None) -> Select[*tuple[Any, ...]]:
     """What stands in a list of the recordings that matched; of all, unless given."""
     recordings, things = schema.recordings, schema.things
+    asked = _columns()
+    if matched is not None:
+        page = matched.subquery()
+        asked = asked.join(page, page.c.id == recordings.c.id)
+    # one whose object is missing is told, and not left out
+    return asked.outerjoin(things, things.c.id == recordings.c.thing_id)
+
+
+@cache
+def _columns() -> Select[*tuple[Any, ...]]:
+    """What a list needs of recordings and their objects, worked out once."""
+    recordings, things = schema.recordings, schema.things
     names = (
         "id",
         "uuid",
@@ -207,12 +220,7 @@ def _rows_asked(matched: Select[*tuple[Any, ...]] | None) -> Select[*tuple[Any, 
     )
     columns = [recordings.c[name] for name in (*names, "embargoed_us", "ground_truth", "document", "seal")]
     thing = [things.c.dataset, things.c.name, things.c.common_name]
-    asked = select(*columns, *thing)
-    if matched is not None:
-        page = matched.subquery()
-        asked = asked.join(page, page.c.id == recordings.c.id)
-    # one whose object is missing is told, and not left out
-    return asked.outerjoin(things, things.c.id == recordings.c.thing_id)
+    return select(*columns, *thing).select_from(recordings)
 
 
 def _names(
@@ -240,7 +248,7 @@ def _whole(
 
 def _listed(row: Mapping[Any, Any], common_name: str | None) -> Listed:
     plain = sealed_document(row)
-    with legible(recording_name(row["uuid"])):
+    with legible(Named(row["uuid"])):
         return Listed(
             id=UUID(bytes=row["uuid"]),
             digest=row["digest"].hex(),

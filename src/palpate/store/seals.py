@@ -14,7 +14,7 @@ from uuid import UUID
 from palpate.store.errors import DamagedError
 from palpate.store.legible import legible
 
-__all__ = ["checked_document", "recording_name", "seal_of", "sealed_document"]
+__all__ = ["Named", "checked_document", "recording_name", "seal_of", "sealed_document"]
 
 
 def seal_of(digest: bytes, document: str) -> bytes:
@@ -36,7 +36,7 @@ def sealed_document(row: Mapping[Any, Any]) -> Mapping[str, Any]:
     DamagedError
         If it is not the one that was written, or is of another object.
     """
-    where = recording_name(row["uuid"])
+    where = Named(row["uuid"])
     with legible(where):
         if seal_of(row["digest"], row["document"]) != row["seal"]:
             raise DamagedError(f"{where}: is not what was written")
@@ -44,6 +44,16 @@ def sealed_document(row: Mapping[Any, Any]) -> Mapping[str, Any]:
         if plain["thing"] != [row["dataset"], row["name"]]:
             raise DamagedError(f"{where}: refers to another object than its content does")
     return plain
+
+
+class Named:
+    """A recording by its id, whose name is put together only where something is wrong with it."""
+
+    def __init__(self, uuid: bytes) -> None:
+        self._uuid = uuid
+
+    def __str__(self) -> str:
+        return recording_name(self._uuid)
 
 
 def recording_name(uuid: bytes) -> str:

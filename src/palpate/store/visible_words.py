@@ -51,6 +51,8 @@ def seen_names(connection: Connection, viewer: Viewer, names: Mapping[int, str |
         row: {(("common_name",), to_json(name))} for row, name in names.items() if name is not None
     }
     doubtful = [row for row, left in _unsaid(connection, parts).items() if left]
+    if not doubtful:
+        return names
     things, recordings = schema.things.c, schema.recordings
     named = exists().where(
         recordings.c.thing_id == things.id,

@@ -73,8 +73,9 @@ def thing(found: Thing) -> Plain:
 def recording_row(row: Listed) -> Plain:
     """A recording as it stands in a list."""
     same = ("digest", "action", "common_name", "gripper", "owner", "visibility", "ground_truth")
+    id = str(row.id)
     return {
-        "id": str(row.id),
+        "id": id,
         **{name: getattr(row, name) for name in same},
         "ground_truth": bool(row.ground_truth),
         "recorded_at": moment(row.recorded_at),
@@ -83,7 +84,7 @@ def recording_row(row: Listed) -> Plain:
         "object": {"dataset": row.dataset, "name": row.thing},
         "entries": [entry(one) for one in row.entries],
         "notices": list(row.notices),
-        "url": f"{ROOT}/recordings/{row.id}",
+        "url": f"{ROOT}/recordings/{id}",
     }
 
 
