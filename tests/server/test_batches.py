@@ -159,4 +159,5 @@ def test_what_is_no_batch(client: TestClient, token: Token) -> None:
     assert client.post(API, content=b"{}", headers=NDJSON).status_code == 401
     assert client.post(API, content=b"{}", headers={**token("r", Role.READER), **NDJSON}).status_code == 403
     many = client.post(API, content=b"1\n" * 10_002, headers={**headers, **NDJSON}).json()["items"]
-    assert [one["status"] for one in many] == [422] * len(many)
+    assert [one["status"] for one in many] == [422] * 10_001
+    assert (many[-1]["source"], many[-1]["detail"]) == ("line 10001", "is one too many, expected 10000 at most")

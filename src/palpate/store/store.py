@@ -91,7 +91,6 @@ class Store:
         recordings: Iterable[Recording],
         *,
         known_wrong: Collection[str] = (),
-        kept_before: Collection[str] = (),
         uploader: str | None = None,
     ) -> list[Receipt]:
         """Keep several recordings, all in one transaction or none.
@@ -103,8 +102,6 @@ class Store:
         known_wrong
             Digests of those whose results may be in a unit of another dimension than their property's: they are kept
             and do not count (see `palpate.store.units.change_unit`).
-        kept_before
-            Digests of those that a store has had, see `is_new` of `palpate.store.checks.check`.
         uploader
             As of `put`.
 
@@ -115,8 +112,14 @@ class Store:
         """
         batch = list(recordings)
         for recording in batch:
-            check(recording, is_new=not kept_before or recording.digest not in kept_before)
-        prepared = [prepare(recording, self.blobs, uploader=uploader) for recording in batch]
+            check(recording)
+        return self.put_checked(batch, known_wrong=known_wrong, uploader=uploader)
+
+    def put_checked(
+        self, recordings: Iterable[Recording], *, known_wrong: Collection[str] = (), uploader: str | None = None
+    ) -> list[Receipt]:
+        """Keep recordings that `palpate.store.checks.check` has let through, otherwise as `put_many`."""
+        prepared = [prepare(recording, self.blobs, uploader=uploader) for recording in recordings]
         if known_wrong:
             prepared = [replace(one, is_known_wrong=one.recording.digest in known_wrong) for one in prepared]
         return self._together.commit(prepared) if prepared else []

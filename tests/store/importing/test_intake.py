@@ -53,14 +53,14 @@ def fates(store: Store, invented: Invented) -> list[str]:
 def test_recordings_go_in_together(local: Store, monkeypatch: pytest.MonkeyPatch) -> None:
     """Many recordings are one transaction each two hundred, and all are there."""
     puts: list[int] = []
-    put_many = local.put_many
+    put_checked = local.put_checked
 
     def counted(recordings: Any, **options: Any) -> Any:
         batch = list(recordings)
         puts.append(len(batch))
-        return put_many(batch, **options)
+        return put_checked(batch, **options)
 
-    monkeypatch.setattr(local, "put_many", counted)
+    monkeypatch.setattr(local, "put_checked", counted)
     assert fates(local, Invented(*(squeeze(number) for number in range(450)))) == ["new"] * 450
     assert puts == [200, 200, 50]
     assert list(verify(local)) == []
@@ -115,14 +115,14 @@ def test_large_recordings_are_not_gathered(local: Store, monkeypatch: pytest.Mon
     """Signals of more than a batch's bytes are kept before more is read."""
     monkeypatch.setattr("palpate.store.importing.intake.LARGEST_BATCH_BYTES", 2500)
     kept_after = []
-    put_many = local.put_many
+    put_checked = local.put_checked
 
     def watched(recordings: Any, **options: Any) -> Any:
         batch = list(recordings)
         kept_after.append(len(batch))
-        return put_many(batch, **options)
+        return put_checked(batch, **options)
 
-    monkeypatch.setattr(local, "put_many", watched)
+    monkeypatch.setattr(local, "put_checked", watched)
     assert fates(local, Invented(*(squeeze(number) for number in range(7)))) == ["new"] * 7
     # a squeeze is 1240 bytes
     assert kept_after == [3, 3, 1]

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path as FilePath
-from tempfile import SpooledTemporaryFile, TemporaryDirectory
+from tempfile import SpooledTemporaryFile
 from typing import IO, Annotated, Any
 
 from fastapi import APIRouter, Depends, Path, Query, Request
@@ -20,7 +18,7 @@ from palpate.server.api.downloads import stored_download
 from palpate.server.api.models import Batch, Digests, File, KnownRecordings, Page, Receipt, Recording, RecordingRow
 from palpate.server.api.parameters import Place, SeenRecording, StoreOf
 from palpate.server.api.queries import RecordingQuery
-from palpate.server.batches import LINES, keep_batch
+from palpate.server.batches import keep_lines, keep_packages
 from palpate.server.problems import Problem, problem
 from palpate.server.receiving import IN_MEMORY, receive, spooled
 from palpate.server.security.accounts import Account, Role
@@ -148,35 +146,17 @@ async def post_recordings(request: Request, who: Annotated[Account, Depends(need
     (``multipart/form-data``). What is sent again is known by its digest.
     """
     state, kind = state_of(request), request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    with TemporaryDirectory(prefix="palpate-upload-") as folder:
-        if kind == "application/x-ndjson":
-            files = [FilePath(folder) / LINES]
-            async with spooled(request) as body:
-                await run_in_threadpool(_save, body, files[0])
-        elif kind == "multipart/form-data":
-            files = await _packages(request, FilePath(folder))
-        else:
-            raise problem(415, f"content-type: found {kind[:60]!r}, expected {' or '.join(BATCH)}")
-        return answer({"items": await run_in_threadpool(keep_batch, state, who, files)})
-
-
-async def _packages(request: Request, folder: FilePath) -> list[FilePath]:
-    """The files of a form, under their places: names that somebody sends are no names of ours."""
-    files = []
-    async with request.form(max_files=MOST_PACKAGES, max_fields=0) as form:
-        for place, (_, part) in enumerate(form.multi_items()):
-            if isinstance(part, UploadFile):
-                files.append(folder / f"package {place + 1}")
-                await run_in_threadpool(_save, part.file, files[-1])
-    return files
+    if kind == "application/x-ndjson":
+        async with spooled(request) as body:
+            return answer({"items": await run_in_threadpool(keep_lines, state, who, body)})
+    if kind == "multipart/form-data":
+        async with request.form(max_files=MOST_PACKAGES, max_fields=0) as form:
+            parts = [part.file for _, part in form.multi_items() if isinstance(part, UploadFile)]
+            return answer({"items": await run_in_threadpool(keep_packages, state, who, parts)})
+    raise problem(415, f"content-type: found {kind[:60]!r}, expected {' or '.join(BATCH)}")
 
 
 def _pieces(package: IO[bytes]) -> Iterator[bytes]:
     with package:
         while piece := package.read(PIECE_BYTES):
             yield piece
-
-
-def _save(body: IO[bytes], path: FilePath) -> None:
-    with path.open("xb") as opened:
-        shutil.copyfileobj(body, opened)

@@ -16,7 +16,7 @@ from palpate.store.importing.presence import Presence
 from palpate.store.records import FileItem, Recording
 from palpate.store.store import Store
 
-__all__ = ["import_paths"]
+__all__ = ["import_items", "import_paths"]
 
 AT_ONCE = 200
 """Items that are looked up together, and recordings of one transaction at most."""
@@ -32,7 +32,6 @@ class Read:
     recording: Recording
     size_bytes: int
     is_known_wrong: bool
-    was_kept: bool
 
 
 def import_paths(
@@ -66,7 +65,7 @@ def import_paths(
     """
     unknown, whole = list[Outcome](), list[Found]()
     used: set[str] = set()
-    for outcome in _taken(store, _items(store, find(paths, formats), unknown, whole), uploader):
+    for outcome in import_items(store, _items(store, find(paths, formats), unknown, whole), uploader):
         used.update(_files_beside(outcome))
         yield outcome
     for found in whole:
@@ -102,8 +101,8 @@ def _files_beside(outcome: Outcome) -> Iterator[str]:
         yield from (str(item.data) for item in files if isinstance(item.data, Path))
 
 
-def _taken(store: Store, items: Iterator[Item | Outcome], uploader: str | None) -> Iterator[Outcome]:
-    """Read items and put them into the store, as many at once as is quick."""
+def import_items(store: Store, items: Iterator[Item | Outcome], uploader: str | None) -> Iterator[Outcome]:
+    """Read items and put them into a store, as many at once as is quick, as `import_paths` does."""
     presence = Presence(store)
     while chunk := list(islice(items, AT_ONCE)):
         known, _ = presence.known(item.digest for item in chunk if isinstance(item, Item) and item.digest)
@@ -132,7 +131,7 @@ def _read(item: Item | Outcome, known: Collection[str]) -> Read | Outcome:
         check(recording, is_new=not item.was_kept)
         # this reads its files, so that one that cannot be read is found before anything is put
         recording.digest  # noqa: B018
-        return Read(item.source, recording, _size_bytes(recording), item.is_known_wrong, item.was_kept)
+        return Read(item.source, recording, _size_bytes(recording), item.is_known_wrong)
     except (PalpateError, OSError, RecursionError) as error:
         return Outcome(item.source, Fate.REFUSED, told(error, item.source))
 
@@ -155,9 +154,8 @@ def _put(store: Store, batch: Sequence[Read], broken: Collection[str], uploader:
     """
     try:
         wrong = {one.recording.digest for one in batch if one.is_known_wrong}
-        kept = {one.recording.digest for one in batch if one.was_kept}
         recordings = [one.recording for one in batch]
-        receipts = store.put_many(recordings, known_wrong=wrong, kept_before=kept, uploader=uploader) if batch else []
+        receipts = store.put_checked(recordings, known_wrong=wrong, uploader=uploader) if batch else []
     except UnavailableError:
         raise
     except StoreError as error:

@@ -64,7 +64,7 @@ class Item:
     is_known_wrong
         Whether its results may be in a unit of another dimension than their property's, see `Store.put_many`.
     was_kept
-        Whether a store has had it, see there too.
+        Whether a store has had it, see `is_new` of `palpate.store.checks.check`.
     """
 
     source: str

@@ -12,7 +12,6 @@ import base64
 import binascii
 import json
 from collections.abc import Mapping
-from dataclasses import replace
 from math import prod
 from typing import Any
 
@@ -72,13 +71,13 @@ def recording_of(line: bytes) -> Recording:
     thing = plain["thing"]
     if isinstance(thing, dict):
         plain["thing"] = {"aliases": [], **thing}
-    recording = Recording(**decode(plain, "line"))
+    fields = decode(plain, "line")
     series = tuple(_series(f"series[{n}]", one) for n, one in enumerate(_list("series", signals.get("series", []))))
     files = tuple(_file(f"files[{n}]", one) for n, one in enumerate(_list("files", signals.get("files", []))))
     log = signals.get("log", "")
     if not isinstance(log, str):
         raise StoreError(f"log: is a {type(log).__name__}, expected text")
-    return replace(recording, series=series, files=files, log=log)
+    return Recording(**fields, series=series, files=files, log=log)
 
 
 def _channel_plain(channel: Channel) -> dict[str, Any]:

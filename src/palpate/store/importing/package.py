@@ -23,6 +23,8 @@ LARGEST_BYTES = 4 << 30
 """What a package may hold at most when it is unpacked, unless told."""
 IN_MEMORY_BYTES = 1 << 20
 """What is unpacked into memory: making and removing files takes longer than all else there is to do."""
+FOLDERS, UNNAMED = frozenset("/\\:"), ("", ".", "..")
+"""What stands between folders on some system, and names of none."""
 
 
 def pack(recording: Recording, file: IO[bytes]) -> None:
@@ -54,7 +56,7 @@ def unpack(file: IO[bytes], folder: Callable[[], Path], *, largest_bytes: int = 
             if total > largest_bytes:
                 raise StoreError(f"package: {total} bytes when unpacked, expected {largest_bytes} at most")
             for item in package.infolist():
-                if Path(item.filename).name != item.filename or "\\" in item.filename or ":" in item.filename:
+                if item.filename in UNNAMED or not FOLDERS.isdisjoint(item.filename):
                     raise StoreError(f"package: the name {item.filename!r} has folders in it, expected plain names")
             kept = _in_memory(package) if total <= IN_MEMORY_BYTES else _in_folder(package, folder())
     except (BadZipFile, EOFError, FileExistsError, RuntimeError, ValueError, struct.error, zlib.error) as error:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import mimetypes
 import os
+from functools import lru_cache
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from palpate.store.errors import StoreError
@@ -11,6 +12,7 @@ from palpate.store.errors import StoreError
 __all__ = ["check_name", "inside", "leads_inside", "media_type_of", "portable_name"]
 
 
+@lru_cache(maxsize=1024)
 def check_name(name: str, where: str) -> str:
     """Return the relative path that a file's name stands for; it has forward slashes.
 
