@@ -146,6 +146,26 @@ def test_a_squeeze_of_nothing_says_why_there_is_no_line() -> None:
     assert held_by(Setup(), {"contact_area_mm2": "much", "rest_width_mm": True}) == Held()
 
 
+@pytest.mark.parametrize("area_mm2", [None, 100.0])
+@pytest.mark.parametrize("scale", [1e308, 1e200, 1e-320])
+@pytest.mark.parametrize("shape", [(1, -1), (0, 1)])
+def test_forces_that_nobody_can_fit_are_drawn_without_a_line(
+    shape: tuple[int, int], scale: float, area_mm2: float | None
+) -> None:
+    """Numbers whose squares are no numbers give a plot, and the reason why there is no line."""
+    force = np.repeat(np.array(shape) * scale, 6)
+    channels = (
+        Channel("gap", "length", "mm", np.linspace(60, 49, 12)),
+        Channel("force", "force", "N", force),
+    )
+    found = squeeze_of(Series("gripper", channels), Held(area_mm2=area_mm2))
+    assert found is not None
+    if scale > 1:
+        assert found.hinge is None
+        assert "expected 1e+50 at most" in found.flaw
+    assert not re.search(r'="[^"]*\b(nan|inf)\b', drawn(squeeze_plot(found)))
+
+
 def columns(figure: bytes) -> list[dict[str, Any]]:
     """The columns of all sources of a figure, arrays as bytes decoded."""
     found: list[dict[str, Any]] = []

@@ -14,6 +14,9 @@ CLIPPED, LEAST_CLIPPED, RUN = 0.02, 10, 3
 
 MOST_ALIKE = 0.98
 
+LARGEST = 1e50
+"""No sensor reads so much, and squares of what is larger are none that can be added up."""
+
 
 class EstimatorError(PalpateError, ValueError):
     """A call that cannot be right whatever was measured: arrays that do not belong together, an area below zero."""
@@ -40,7 +43,7 @@ def samples(name: str, values: ArrayLike, *, at_least: int = 1, may_clip: bool =
     EstimatorError
         If they are no row of numbers.
     SignalError
-        If there are too few, some are not finite, or they are cut off.
+        If there are too few, some are not finite or larger than any that can be, or they are cut off.
 
     Examples
     --------
@@ -61,6 +64,8 @@ def samples(name: str, values: ArrayLike, *, at_least: int = 1, may_clip: bool =
     bad = int(np.count_nonzero(~np.isfinite(found)))
     if bad:
         raise SignalError(f"{name}: {bad} of {found.size} samples are not finite")
+    if found.size and (largest := float(np.abs(found).max())) > LARGEST:
+        raise SignalError(f"{name}: a sample is {largest:g} in size, expected {LARGEST:g} at most")
     if not may_clip:
         check_clipping(name, found)
     return found

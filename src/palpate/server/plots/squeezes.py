@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from palpate.estimators.hinge import Hinge, fit_hinge
-from palpate.estimators.signals import SignalError
+from palpate.estimators.signals import samples
 from palpate.estimators.squeezing import Jaws, squeeze
 from palpate.outcomes import Above, Failed
 from palpate.server.plots.drawing import number
@@ -112,14 +112,18 @@ def squeeze_of(series: Series, held: Held) -> FoundSqueeze | None:
     gap, force = (np.asarray(one[0].values, dtype=np.float64) for one in (gaps, forces))
     if not (len(gap) and np.isfinite(gap).all() and np.isfinite(force).all()):
         return None
-    if held.area_mm2 is not None:
-        return _estimated(gap, force, held, held.area_mm2)
-    end = int(np.argmin(gap)) + 1
     try:
-        hinge = fit_hinge(gap[:end], force[:end], gap_sd=held.gap_sd_mm, force_sd=None)
-    except (SignalError, ValueError, np.linalg.LinAlgError) as error:
+        return _fitted(gap, force, held) if held.area_mm2 is None else _estimated(gap, force, held, held.area_mm2)
+    except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
+        # whoever sends numbers that no fit can take must not close the page for everybody
         return FoundSqueeze(gap, force, None, held, str(error))
-    return FoundSqueeze(gap, force, hinge, held)
+
+
+def _fitted(gap: Numbers, force: Numbers, held: Held) -> FoundSqueeze:
+    """A line through force over the gap, where the area is not known."""
+    end = int(np.argmin(gap)) + 1
+    gap_mm, force_n = samples("gap_mm", gap[:end]), samples("force_n", force[:end])
+    return FoundSqueeze(gap, force, fit_hinge(gap_mm, force_n, gap_sd=held.gap_sd_mm, force_sd=None), held)
 
 
 def _estimated(gap: Numbers, force: Numbers, held: Held, area_mm2: float) -> FoundSqueeze:
