@@ -15,6 +15,7 @@ from palpate.client.connection import Connection
 from palpate.server.app import application
 from palpate.server.settings import Settings
 from palpate.store.entries import Value
+from palpate.store.errors import StoreError
 from palpate.store.keeping_episodes import get_episode, put_episode
 from palpate.store.records import Channel, FileItem, Receipt, Recording, Series
 from palpate.store.store import Store
@@ -104,6 +105,8 @@ def test_what_is_wrong_is_told(ann: Client, url: str, store: Store) -> None:
         Client(url, "palpate_wrong").get(hidden.id)
     with pytest.raises(NotAllowedError):
         next(Client(url, "").put_many(many(1)))
+    with pytest.raises(StoreError, match=r"entries\[0\]\.value: found nan, expected a finite number"):
+        ann.put(replace(squeeze(owner="ann"), entries=(Value("elasticity", float("nan"), None, "kPa"),)))
 
 
 def test_many_are_kept_or_refused_each_by_itself(ann: Client, store: Store) -> None:

@@ -314,7 +314,8 @@ def test_a_typed_measurement(ann: TestClient, store: Store) -> None:
         "kind": "other",
         "visibility": "lab",
     }
-    for wrong in ({"unit": "blorp"}, {"value": "heavy"}, {"recorded_at": "noon"}, {"object": ""}, {"sd": "-1"}):
+    odd = ({"value": "nan"}, {"value": "1e400"}, {"sd": "inf"})
+    for wrong in (*odd, {"unit": "blorp"}, {"value": "heavy"}, {"recorded_at": "noon"}, {"object": ""}, {"sd": "-1"}):
         refused = ann.post("/upload/one", data={**given, **wrong})
         assert refused.status_code == 422, wrong
         assert 'role="alert"' in refused.text

@@ -8,6 +8,7 @@ from uuid import UUID
 
 from palpate.client.connection import Connection
 from palpate.client.errors import NotThereError, UnreachableError
+from palpate.store.checks import check
 from palpate.store.importing.package import pack
 from palpate.store.records import Receipt, Recording
 
@@ -60,17 +61,25 @@ class HttpReceiver:
             If the server does not know the token, or it may not do this.
         RefusedError
             If the server will not have the recording.
+        StoreError
+            If no store can have it, as a number in it is not finite; nothing is sent then.
         """
+        try:
+            digest = recording.digest
+        except ValueError:
+            # this names the field, which whoever writes JSON does not know
+            check(recording, is_new=False)
+            raise
         with SpooledTemporaryFile(max_size=IN_MEMORY) as package:
             pack(recording, package)
             headers = {"Content-Type": "application/zip", "Content-Length": str(package.tell())}
             package.seek(0)
             try:
-                answer = self._connection.ask_plain("PUT", f"/recordings/{recording.digest}", package, headers)
+                answer = self._connection.ask_plain("PUT", f"/recordings/{digest}", package, headers)
             except NotThereError as error:
                 # the address is wrong: what waits goes on waiting
                 raise UnreachableError(f"{error}; answered 404, expected the address of a service") from None
-        return receipt_of(self._connection, answer, recording.digest)
+        return receipt_of(self._connection, answer, digest)
 
 
 def receipt_of(connection: Connection, answer: Any, digest: str) -> Receipt:

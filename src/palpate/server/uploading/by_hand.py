@@ -8,6 +8,7 @@ from math import isfinite, nan
 from typing import Any
 
 from palpate.server.security.accounts import Account
+from palpate.store.checks import check
 from palpate.store.entries import Distribution, Entry, Value
 from palpate.store.errors import StoreError
 from palpate.store.importing.items import identified
@@ -35,20 +36,21 @@ def recording_by_hand(fields: Mapping[str, str], who: Account) -> Recording:
     (Value(property='mass', value=118.5, sd=None, unit='g'),)
     """
     device, kind = fields.get("device", ""), fields.get("kind") or "other"
-    return identified(
-        Recording(
-            recorded_at=_moment(fields.get("recorded_at", "")),
-            action=fields.get("action", ""),
-            thing=ThingRef(fields.get("dataset", ""), fields.get("object", "")),
-            setup=_setup(device, kind),
-            owner=who.name,
-            licence=fields.get("licence") or None,
-            visibility=fields.get("visibility") or "private",
-            ground_truth=fields.get("ground_truth") == "yes",
-            entries=(_entry(fields),),
-            notices=("this was typed into a form, and there is no signal behind it",),
-        )
+    found = Recording(
+        recorded_at=_moment(fields.get("recorded_at", "")),
+        action=fields.get("action", ""),
+        thing=ThingRef(fields.get("dataset", ""), fields.get("object", "")),
+        setup=_setup(device, kind),
+        owner=who.name,
+        licence=fields.get("licence") or None,
+        visibility=fields.get("visibility") or "private",
+        ground_truth=fields.get("ground_truth") == "yes",
+        entries=(_entry(fields),),
+        notices=("this was typed into a form, and there is no signal behind it",),
     )
+    # what is no finite number has no digest, and without one there is no id
+    check(found)
+    return identified(found)
 
 
 def _setup(name: str, kind: str) -> Setup:
