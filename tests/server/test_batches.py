@@ -125,6 +125,30 @@ def test_each_line_is_told_about(client: TestClient, store: Store, token: Token)
     assert [one["status"] for one in again] == [200, 422, 422, 200, 422, 200, 422]
 
 
+HUGE = 10**400
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"entries": [{"kind": "value", "property": "elasticity", "value": HUGE, "unit": "kPa"}]}, "entries[0].value"),
+        ({"entries": [{"kind": "distribution", "property": "m", "probabilities": {"a": HUGE}}]}, "entries[0]"),
+        ({"gripper_pose": {"translation_m": [HUGE, 0, 0], "quaternion": None, "frame": "a", "original": None}}, "gri"),
+        (with_values([1, 2], rate_hz=HUGE), "series[0]"),
+    ],
+)
+def test_a_number_that_no_machine_holds_spoils_its_own_line_only(
+    client: TestClient, store: Store, token: Token, change: dict[str, Any], told: str
+) -> None:
+    """A whole number of 400 digits is refused with its field, and the line beside it is kept."""
+    good, plain = squeeze(1, owner="ann"), json.loads(line_of(squeeze(2, owner="ann")))
+    body = f"{line_of(good)}\n{json.dumps({**plain, **change})}"
+    answer = client.post(API, content=body, headers={**token("ann"), **NDJSON})
+    assert [one["status"] for one in answer.json()["items"]] == [201, 422]
+    assert answer.json()["items"][1]["detail"].startswith(told)
+    assert store.known([good.digest])
+
+
 def test_packages_in_a_form(client: TestClient, store: Store, token: Token) -> None:
     """Each package by itself, under its place and not under the name that somebody gave it."""
     mine = [squeeze(number, owner="ann") for number in range(2)]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -10,7 +9,7 @@ import numpy as np
 from palpate.store.errors import StoreError
 from palpate.store.quantities import check_quantity
 from palpate.store.records import Channel, Series
-from palpate.store.texts import check_name
+from palpate.store.texts import check_name, check_number
 
 __all__ = ["check_series"]
 
@@ -61,8 +60,10 @@ def _check_channel(where: str, channel: Channel) -> None:
         )
     if not values.ndim:
         raise StoreError(f"{where}.values: a single number, expected an array of samples")
-    if channel.rate_hz is not None and not (math.isfinite(channel.rate_hz) and channel.rate_hz > 0):
-        raise StoreError(f"{where}.rate_hz: found {channel.rate_hz}, expected a positive number")
+    if channel.rate_hz is not None:
+        check_number(f"{where}.rate_hz", channel.rate_hz)
+        if channel.rate_hz <= 0:
+            raise StoreError(f"{where}.rate_hz: found {channel.rate_hz}, expected a positive number")
     if channel.time_s is not None:
         _check_time(where, channel.time_s, len(values))
     if channel.unit is not None:

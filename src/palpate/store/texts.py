@@ -23,7 +23,13 @@ def check_numbers(where: str, numbers: Sequence[float], count: int) -> None:
 def check_number(where: str, number: object) -> None:
     """Refuse what is no finite number."""
     # numpy's numbers are taken; bool is an int, but no measurement
-    if isinstance(number, bool) or not hasattr(number, "__float__") or not math.isfinite(float(number)):
+    if isinstance(number, bool) or not hasattr(number, "__float__"):
+        raise StoreError(f"{where}: found {number!r}, expected a finite number")
+    try:
+        is_finite = math.isfinite(float(number))
+    except OverflowError:
+        raise StoreError(f"{where}: found a whole number that is too large, expected one below 1e308") from None
+    if not is_finite:
         raise StoreError(f"{where}: found {number!r}, expected a finite number")
 
 
