@@ -8,7 +8,7 @@ from fastapi.testclient import TestClient
 
 from palpate.server.benchmark import agreements, interval
 from palpate.store.describing import change_thing
-from palpate.store.entries import Value
+from palpate.store.entries import Bound, Entry, Interval, Value
 from palpate.store.merging import merge_things
 from palpate.store.records import Device, Recording, Setup, ThingRef
 from palpate.store.store import Store
@@ -98,10 +98,55 @@ def test_the_figures_of_a_benchmark_by_hand(store: Store) -> None:
     assert interval([4.0]) is None
 
 
+def test_objects_whose_results_are_mostly_bounds_do_not_count(client: TestClient, store: Store) -> None:
+    """Nine values of 12 g and one bound, a tenth: 12 - 10 = 2. Of the bowl two of three are censored, of the box all.
+
+    Of those that count the mean error is 2, of all it would be (2 - 5) / 2 = -1.5.
+    """
+    box = ThingRef("lab", "box")
+    bound = Bound("mass", above=20.0, unit="g")
+    results: list[tuple[ThingRef, Entry]] = [(CUP, Value("mass", 12.0, unit="g"))] * 9 + [(CUP, bound)]
+    results += [(BOWL, Value("mass", 5.0, unit="g")), (BOWL, bound), (BOWL, Interval("mass", 9.0, 30.0, "g"))]
+    results += [(box, bound), (box, bound)]
+    for number, (thing, entry) in enumerate(results, 1):
+        store.put(weighed(number, thing, "left", 0.0, entries=(entry,)))
+    store.put_many([weighed(50, CUP, "right", 13.0), weighed(51, BOWL, "right", 10.0)])
+    # a bound that is not seen is not counted, and one that tells the truth is no measurement
+    hidden = {"visibility": "private", "owner": "ann"}
+    store.put_many([weighed(60, CUP, "left", 0.0, entries=(bound,), **hidden)])
+    store.put_many([weighed(61, CUP, "left", 0.0, entries=(bound,), ground_truth=True)])
+    for thing in (CUP, BOWL, box):
+        change_thing(store, thing, lambda thing: thing.knowing(Value("mass", 10.0, unit="g"), "a scale"))
+    found = agreements(store, Viewer(), "mass")
+    cells = {(cell.device, cell.thing): cell for cell in found.cells}
+    assert [
+        (one.count, one.censored, one.mean, one.error)
+        for one in (cells["left", thing.id] for thing in (CUP, BOWL, box))
+    ] == [
+        (9, 1, 12.0, 2.0),
+        (1, 2, 5.0, None),
+        (0, 2, None, None),
+    ]
+    left, _ = found.devices
+    assert (left.objects, left.values, left.censored, left.known, left.left_out) == (3, 10, 5, 1, 2)
+    assert (left.bias, left.rms) == pytest.approx((2.0, 2.0))
+    (pair,) = found.differences()
+    assert (pair.objects, pair.first_values, pair.mean) == pytest.approx((1, 9, -1.0))
+    assert found.between_sd("lab", "bowl") is None
+    assert agreements(store, Viewer("ann"), "mass").devices[0].left_out == 3
+    row = client.get("/benchmark/errors.json").json()["items"][0]
+    assert (row["bounds_only"], row["left_out"]) == (5, 2)
+    assert "left out of that device" in client.get("/benchmark").text
+    page = client.get("/compare?property=mass").text
+    assert page.count(">left out<") == 1
+    lines = client.get("/compare/table.csv?property=mass").text.splitlines()
+    assert "left,lab,box,g,0,2,,,10.0," in lines
+
+
 def test_the_benchmark_is_downloaded_as_it_is_shown(client: TestClient, store: Store) -> None:
     """CSV and JSON hold the same numbers; without a known value there is no row."""
     assert client.get("/benchmark/errors.csv").text.splitlines() == [
-        "property,unit,device,objects,values,known,bias,sd,rms,low,high"
+        "property,unit,device,objects,values,bounds_only,known,left_out,bias,sd,rms,low,high"
     ]
     store.put_many([weighed(1, CUP, "=left", 10.0), weighed(2, BOWL, "=left", 13.0)])
     for thing in (CUP, BOWL):
@@ -115,4 +160,4 @@ def test_the_benchmark_is_downloaded_as_it_is_shown(client: TestClient, store: S
     assert "2.5" in client.get("/benchmark").text
 
 
-NUMBERS = ("objects", "values", "known", "bias", "sd", "rms", "low", "high")
+NUMBERS = ("objects", "values", "bounds_only", "known", "left_out", "bias", "sd", "rms", "low", "high")

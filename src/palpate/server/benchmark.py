@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import sqrt
@@ -12,6 +12,7 @@ from statistics import fmean, stdev
 from scipy.special import stdtrit
 
 from palpate.network.units import unit_of
+from palpate.store.censored_results import censored_of_property
 from palpate.store.entries import Value
 from palpate.store.store import Store
 from palpate.store.things import Thing
@@ -22,17 +23,27 @@ from palpate.store.visible_things import things_by_name
 __all__ = ["Agreement", "Cell", "DeviceError", "Difference", "agreements", "interval"]
 
 ThingKey = tuple[str, str]
+MOST_CENSORED = 0.1
+"""Share of bounds and intervals among the results of a cell that counts.
+
+Of a normal distribution without its upper tenth the mean is 0.2 SD too low; without its upper half 0.8 SD.
+"""
 
 
 @dataclass(frozen=True)
 class Cell:
-    """What one device measured of one object: mean, SD (n - 1) and count; the true value where one is known."""
+    """What one device measured of one object: mean, SD (n - 1) and count; the true value where one is known.
+
+    `censored` results are bounds or intervals, as "above 95 kPa": no mean holds them.
+    It is None where there are no others.
+    """
 
     device: str
     dataset: str
     thing: str
     count: int
-    mean: float
+    censored: int
+    mean: float | None
     sd: float | None
     truth: float | None
 
@@ -42,9 +53,15 @@ class Cell:
         return self.dataset, self.thing
 
     @property
+    def fair_mean(self) -> float | None:
+        """The mean, unless so many results are censored that it tells of the others only."""
+        return None if self.censored > MOST_CENSORED * (self.count + self.censored) else self.mean
+
+    @property
     def error(self) -> float | None:
-        """How far the mean is from the truth."""
-        return None if self.truth is None else self.mean - self.truth
+        """How far the mean is from the truth; None as well where too many results are censored."""
+        mean = self.fair_mean
+        return None if self.truth is None or mean is None else mean - self.truth
 
 
 @dataclass(frozen=True)
@@ -57,8 +74,12 @@ class DeviceError:
     ----------
     objects, values
         That it measured.
+    censored
+        Results that are bounds or intervals, which are no values.
     known
-        Objects of them of which the truth is known.
+        Objects of them of which the truth is known, and that count.
+    left_out
+        Objects of which the truth is known, and that do not count: more than a tenth of the results are censored.
     bias, sd, rms
         Mean, SD (n - 1) and root mean square of the errors of these.
     interval
@@ -68,7 +89,9 @@ class DeviceError:
     device: str
     objects: int
     values: int
+    censored: int
     known: int
+    left_out: int
     bias: float | None
     sd: float | None
     rms: float | None
@@ -82,7 +105,7 @@ class Difference:
     Attributes
     ----------
     objects
-        That both measured.
+        That both measured, without those of which either one's results are censored too often.
     first_values, second_values
         How many values of these each has.
     mean, sd, interval
@@ -110,8 +133,8 @@ class Agreement:
 
     def between_sd(self, dataset: str, thing: str) -> float | None:
         """SD (n - 1) of the means of the devices that measured an object; None where it was one."""
-        means = [cell.mean for cell in self.cells if (cell.dataset, cell.thing) == (dataset, thing)]
-        return stdev(means) if len(means) > 1 else None
+        means = [cell.fair_mean for cell in self.cells if cell.key == (dataset, thing)]
+        return _sd([mean for mean in means if mean is not None])
 
     def differences(self) -> tuple[Difference, ...]:
         """Each pair of devices that measured an object both."""
@@ -135,13 +158,19 @@ def interval(values: Sequence[float]) -> tuple[float, float] | None:
 
 
 def _difference(first: str, second: str, cells: Sequence[Cell]) -> Difference | None:
-    ours, theirs = ({cell.key: cell for cell in cells if cell.device == name} for name in (first, second))
+    ours, theirs = (_fair_means(name, cells) for name in (first, second))
     both = [key for key in ours if key in theirs]
     if not both:
         return None
-    offs = [ours[key].mean - theirs[key].mean for key in both]
-    first_values, second_values = (sum(of[key].count for key in both) for of in (ours, theirs))
+    offs = [ours[key][0] - theirs[key][0] for key in both]
+    first_values, second_values = (sum(of[key][1] for key in both) for of in (ours, theirs))
     return Difference(first, second, len(both), first_values, second_values, fmean(offs), _sd(offs), interval(offs))
+
+
+def _fair_means(device: str, cells: Sequence[Cell]) -> dict[ThingKey, tuple[float, int]]:
+    """Mean and count of each object."""
+    own = ((cell.key, cell.fair_mean, cell.count) for cell in cells if cell.device == device)
+    return {key: (mean, count) for key, mean, count in own if mean is not None}
 
 
 def _sd(values: Sequence[float]) -> float | None:
@@ -155,21 +184,22 @@ def agreements(store: Store, viewer: Viewer, property: str) -> Agreement:
     for one in groups:
         if not one.ground_truth:
             measured[one.measured_by, (one.dataset, one.thing)].append(one)
-    known = _truths(store, viewer, property, unit, groups)
-    cells = tuple(_cell(device, key, own, known.get(key)) for (device, key), own in sorted(measured.items(), key=_name))
+    censored = censored_of_property(store, viewer, property)
+    keys = {(one.dataset, one.thing) for one in groups} | {key for _, key in censored}
+    known = _truths(store, viewer, property, unit, groups, keys)
+    names = sorted({*measured, *censored})
+    cells = tuple(_cell(*one, measured[one], censored[one], known.get(one[1])) for one in names)
     devices = tuple(_errors(name, cells) for name in sorted({cell.device for cell in cells}))
     return Agreement(property, unit, cells, devices)
 
 
-def _name(item: tuple[tuple[str, ThingKey], list[Group]]) -> tuple[str, ThingKey]:
-    return item[0]
-
-
-def _cell(device: str, key: ThingKey, groups: Sequence[Group], truth: float | None) -> Cell:
+def _cell(device: str, key: ThingKey, groups: Sequence[Group], censored: int, truth: float | None) -> Cell:
     """Setups of one device together."""
+    if not groups:
+        return Cell(device, *key, 0, censored, None, None, truth)
     count, mean = _together(groups)
     squares = sum(one.squares + one.count * (one.mean - mean) ** 2 for one in groups)
-    return Cell(device, *key, count, mean, sqrt(squares / (count - 1)) if count > 1 else None, truth)
+    return Cell(device, *key, count, censored, mean, sqrt(squares / (count - 1)) if count > 1 else None, truth)
 
 
 def _together(groups: Sequence[Group]) -> tuple[int, float]:
@@ -182,12 +212,14 @@ def _errors(device: str, cells: Sequence[Cell]) -> DeviceError:
     errors = [cell.error for cell in own if cell.error is not None]
     bias = fmean(errors) if errors else None
     rms = sqrt(fmean(error**2 for error in errors)) if errors else None
-    values = sum(cell.count for cell in own)
-    return DeviceError(device, len(own), values, len(errors), bias, _sd(errors), rms, interval(errors))
+    values, censored = sum(cell.count for cell in own), sum(cell.censored for cell in own)
+    left_out = sum(cell.truth is not None for cell in own) - len(errors)
+    counts = (len(own), values, censored, len(errors), left_out)
+    return DeviceError(device, *counts, bias, _sd(errors), rms, interval(errors))
 
 
 def _truths(
-    store: Store, viewer: Viewer, property: str, unit: str, groups: Sequence[Group]
+    store: Store, viewer: Viewer, property: str, unit: str, groups: Sequence[Group], keys: Collection[ThingKey]
 ) -> Mapping[ThingKey, float]:
     """The true value of each object: what is said of it first, else the mean of recordings that are ground truth."""
     true: dict[ThingKey, list[Group]] = defaultdict(list)
@@ -195,7 +227,6 @@ def _truths(
         if one.ground_truth:
             true[one.dataset, one.thing].append(one)
     found = {key: _together(own)[1] for key, own in true.items()}
-    keys = {(one.dataset, one.thing) for one in groups}
     for key, thing in things_by_name(store, viewer, keys).items():
         said = _said(thing, property, unit)
         if said is not None:

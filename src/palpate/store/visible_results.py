@@ -21,7 +21,7 @@ from palpate.store.store import Store
 from palpate.store.viewing import Viewer
 from palpate.store.visible_things import rows_of
 
-__all__ = ["Group", "Result", "groups_of_property", "results_of"]
+__all__ = ["Group", "Result", "groups_of_property", "measured_by", "results_of"]
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def groups_of_property(store: Store, viewer: Viewer, property: str) -> tuple[str
             Group(
                 dataset=row.dataset,
                 thing=row.name,
-                measured_by=_measured_by(setup_of(row.digest, row.document)),
+                measured_by=measured_by(setup_of(row.digest, row.document)),
                 ground_truth=bool(row.ground_truth),
                 count=row.number,
                 mean=row.mean / scale,
@@ -190,9 +190,10 @@ def _heads(connection: Connection, thing: ThingRef) -> dict[int, tuple[str, str]
 def _names_of_setups(connection: Connection, rows: Collection[int]) -> dict[int, str]:
     setups = schema.setups
     asked = select(setups).where(setups.c.id.in_(rows))
-    return {row.id: _measured_by(setup_of(row.digest, row.document)) for row in connection.execute(asked)}
+    return {row.id: measured_by(setup_of(row.digest, row.document)) for row in connection.execute(asked)}
 
 
-def _measured_by(setup: Setup) -> str:
+def measured_by(setup: Setup) -> str:
+    """The name of what a result is said to be measured by: the gripper, or the first device that there is."""
     named = (setup.gripper, setup.arm, setup.camera, setup.microphone, *setup.other)
     return next((device.name for device in named if device is not None), "nothing that is named")

@@ -23,7 +23,21 @@ from palpate.store.visible_setups import seen_properties
 __all__ = ["errors_of", "router"]
 
 router = APIRouter(prefix="/benchmark")
-COLUMNS = ("property", "unit", "device", "objects", "values", "known", "bias", "sd", "rms", "low", "high")
+COLUMNS = (
+    "property",
+    "unit",
+    "device",
+    "objects",
+    "values",
+    "bounds_only",
+    "known",
+    "left_out",
+    "bias",
+    "sd",
+    "rms",
+    "low",
+    "high",
+)
 
 
 def errors_of(store: Store, viewer: Viewer) -> Iterator[tuple[str, str, DeviceError]]:
@@ -31,7 +45,7 @@ def errors_of(store: Store, viewer: Viewer) -> Iterator[tuple[str, str, DeviceEr
     for one in seen_properties(store, viewer):
         if one.unit is not None:
             found = agreements(store, viewer, one.name)
-            yield from ((one.name, found.unit, error) for error in found.devices if error.known)
+            yield from ((one.name, found.unit, error) for error in found.devices if error.known or error.left_out)
 
 
 @router.get("")
@@ -60,5 +74,12 @@ def as_json(store: StoreOf, who: Who) -> JSONResponse:
 
 def _row(property: str, unit: str, error: DeviceError) -> dict[str, Any]:
     low, high = error.interval or (None, None)
-    told = {**asdict(error), "property": property, "unit": unit, "low": low, "high": high}
+    told = {
+        **asdict(error),
+        "property": property,
+        "unit": unit,
+        "bounds_only": error.censored,
+        "low": low,
+        "high": high,
+    }
     return {name: told[name] for name in COLUMNS}

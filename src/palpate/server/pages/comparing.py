@@ -88,8 +88,10 @@ def table(store: StoreOf, who: Who, property: Text = "") -> Response:
 def _csv(found: Agreement) -> str:
     lines = io.StringIO()
     writer = csv.writer(lines)
-    writer.writerow(("device", "dataset", "object", "unit", "count", "mean", "sd", "true_value", "error"))
+    writer.writerow(
+        ("device", "dataset", "object", "unit", "count", "bounds_only", "mean", "sd", "true_value", "error")
+    )
     for cell in found.cells:
         names = map(cell_text, (cell.device, cell.dataset, cell.thing))
-        writer.writerow((*names, found.unit, cell.count, cell.mean, cell.sd, cell.truth, cell.error))
+        writer.writerow((*names, found.unit, cell.count, cell.censored, cell.mean, cell.sd, cell.truth, cell.error))
     return lines.getvalue()

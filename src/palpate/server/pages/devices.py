@@ -86,7 +86,7 @@ def _errors(store: Store, viewer: Viewer, found: SeenDevice) -> Iterator[Errors]
             continue
         compared = agreements(store, viewer, one.name)
         for error in compared.devices:
-            if error.device == found.device.name and error.known:
+            if error.device == found.device.name and (error.known or error.left_out):
                 address = search(f"/devices/{found.digest}/errors.json", property=one.name)
                 plot = shown(errors_plot(compared, error.device), address)
                 yield Errors(one.name, compared.unit, error, plot)

@@ -1,0 +1,41 @@
+"""Results that tell a number's bound or interval only, counted: a mean of values passes them over."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from sqlalchemy import func, select
+
+from palpate.store import schema
+from palpate.store.fetching import setup_of
+from palpate.store.legible import reading
+from palpate.store.store import Store
+from palpate.store.viewing import Viewer
+from palpate.store.visible_results import measured_by
+
+__all__ = ["censored_of_property"]
+
+
+def censored_of_property(store: Store, viewer: Viewer, property: str) -> Counter[tuple[str, tuple[str, str]]]:
+    """How many there are of a property, by what measured them and the object, as data set and name.
+
+    Without those that are known to be true. What was measured of objects merged into another one counts as that one's.
+    """
+    entries, recordings, setups, things = schema.entries.c, schema.recordings, schema.setups, schema.things
+    own, head = things.alias("own"), things.alias("head")
+    asked = (
+        select(setups.c.digest, setups.c.document, head.c.dataset, head.c.name, func.count().label("number"))
+        .join_from(schema.entries, recordings, recordings.c.id == entries.recording_id)
+        .join(setups, setups.c.id == entries.setup_id)
+        .join(own, own.c.id == entries.thing_id)
+        .join(head, head.c.id == func.coalesce(own.c.merged_into, own.c.id))
+        # without a unit there is no telling what a number is
+        .where(entries.property == property, entries.kind.in_(("bound", "interval")), entries.unit.is_not(None))
+        .where(recordings.c.ground_truth.is_(False), viewer.of(recordings))
+        .group_by(setups.c.digest, setups.c.document, head.c.dataset, head.c.name)
+    )
+    found: Counter[tuple[str, tuple[str, str]]] = Counter()
+    with reading(store.engine) as connection:
+        for row in connection.execute(asked):
+            found[measured_by(setup_of(row.digest, row.document)), (row.dataset, row.name)] += row.number
+    return found
