@@ -50,9 +50,9 @@ def compare(request: Request, store: StoreOf, who: Who, asked: Annotated[Asked, 
     found = None if name is None else agreements(store, who.viewer, name)
     things = {} if found is None else {"/".join(cell.key): cell.key for cell in found.cells}
     thing = things.get(asked.object or "")
-    choices = [] if thing is None or name is None else _choices(store, who.viewer, thing, name, asked.recording)
-    chosen = sorted((one for one in choices if one.colour is not None), key=lambda one: one.colour or 0)
-    laid = laid_over(store, who.viewer, [one.recording for one in chosen]) if chosen else None
+    choices = [] if thing is None or found is None else _choices(store, who.viewer, thing, found, asked.recording)
+    chosen = {one.recording: one.colour for one in choices if one.colour is not None}
+    laid = laid_over(store, who.viewer, chosen) if chosen else None
     return page(
         request,
         "compare.html",
@@ -67,9 +67,12 @@ def compare(request: Request, store: StoreOf, who: Who, asked: Annotated[Asked, 
     )
 
 
-def _choices(store: Store, viewer: Viewer, thing: tuple[str, str], name: str, chosen: list[UUID]) -> list[Choice]:
-    own = [one for one in results_of(store, viewer, ThingRef(*thing)) if one.property == name]
-    return choices_of(own, chosen)
+def _choices(
+    store: Store, viewer: Viewer, thing: tuple[str, str], found: Agreement, chosen: list[UUID]
+) -> list[Choice]:
+    own = [one for one in results_of(store, viewer, ThingRef(*thing)) if one.property == found.property]
+    # a device has the colour here that it has in the table and the plot of errors
+    return choices_of(own, chosen, [one.device for one in found.devices])
 
 
 @router.get("/plot.json")

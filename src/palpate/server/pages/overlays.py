@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 from urllib.parse import urlencode
@@ -11,6 +11,7 @@ from uuid import UUID
 
 from fastapi import APIRouter, Query
 from fastapi.responses import Response
+from pydantic import Field
 
 from palpate.server.api.parameters import StoreOf
 from palpate.server.pages.shown import Dark, Shown, figure, shown
@@ -31,11 +32,12 @@ router = APIRouter(prefix="/compare")
 OF_A_DEVICE = 6
 """Recordings of one device among which to choose."""
 Chosen = Annotated[list[UUID], Query(max_length=COLOURS)]
+Colours = Annotated[tuple[Annotated[int, Field(ge=0, lt=COLOURS)], ...], Query(max_length=COLOURS)]
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A recording that may be chosen; `colour` is None where it is not."""
+    """A recording that may be chosen; `colour` is that of its device, and None where it is not chosen."""
 
     recording: UUID
     name: str
@@ -43,8 +45,11 @@ class Choice:
     colour: int | None
 
 
-def choices_of(results: Sequence[Result], chosen: Sequence[UUID]) -> list[Choice]:
-    """The last recordings of each device; unless told which, the last one of each is chosen."""
+def choices_of(results: Sequence[Result], chosen: Sequence[UUID], devices: Sequence[str]) -> list[Choice]:
+    """The last recordings of each device; unless told which, the last one of each is chosen.
+
+    Colours are the places of devices in an order; those that are not in it come after them.
+    """
     last: dict[UUID, Result] = {}
     for one in reversed(results):
         last.setdefault(one.recording, one)
@@ -58,8 +63,12 @@ def choices_of(results: Sequence[Result], chosen: Sequence[UUID]) -> list[Choice
             shown.append(one)
     there = [one.recording for one in shown]
     wanted = [key for key in chosen if key in there] or first[:COLOURS]
-    places = {key: place for place, key in enumerate(wanted)}
-    found = [Choice(one.recording, _name(one), _value(one), places.get(one.recording)) for one in shown]
+    every = dict.fromkeys([*devices, *sorted(counts)])
+    colours = {device: place % COLOURS for place, device in enumerate(every)}
+    found = [
+        Choice(one.recording, _name(one), _value(one), colours[one.measured_by] if one.recording in wanted else None)
+        for one in shown
+    ]
     return sorted(found, key=lambda one: one.name)
 
 
@@ -71,21 +80,24 @@ def _value(one: Result) -> str:
     return one.kind if one.value is None else f"{number(one.value)} {one.unit}"
 
 
-def laid_over(store: Store, viewer: Viewer, recordings: Sequence[UUID]) -> tuple[Shown | None, Overlay]:
-    """The plot of recordings, as far as they are seen, in the order of their colours."""
-    found = overlay(list(_laid(store, viewer, recordings)))
-    address = f"/compare/curves.json?{urlencode([('recording', str(key)) for key in recordings])}"
+def laid_over(store: Store, viewer: Viewer, colours: Mapping[UUID, int]) -> tuple[Shown | None, Overlay]:
+    """The plot of recordings, as far as they are seen, each in its colour."""
+    found = overlay(list(_laid(store, viewer, list(colours), list(colours.values()))))
+    asked = [pair for key, colour in colours.items() for pair in (("recording", str(key)), ("colour", str(colour)))]
+    address = f"/compare/curves.json?{urlencode(asked)}"
     return shown(found.plot, address), found
 
 
 @router.get("/curves.json")
-def curves(store: StoreOf, who: Who, recording: Chosen, dark: Dark = False) -> Response:
-    """The figure of recordings that are laid over each other."""
-    return figure(overlay(list(_laid(store, who.viewer, recording))).plot, dark=dark)
+def curves(store: StoreOf, who: Who, recording: Chosen, colour: Colours = (), dark: Dark = False) -> Response:
+    """The figure of recordings that are laid over each other, each in its colour; without colours, one each."""
+    colours = colour or range(len(recording))
+    return figure(overlay(list(_laid(store, who.viewer, recording, colours))).plot, dark=dark)
 
 
-def _laid(store: Store, viewer: Viewer, recordings: Sequence[UUID]) -> Iterator[Laid]:
+def _laid(store: Store, viewer: Viewer, recordings: Sequence[UUID], colours: Sequence[int]) -> Iterator[Laid]:
     for place, key in enumerate(recordings):
+        colour = colours[place % len(colours)]
         head = head_of(store, viewer, key)
         if head is None:
             continue
@@ -95,7 +107,7 @@ def _laid(store: Store, viewer: Viewer, recordings: Sequence[UUID]) -> Iterator[
         devices = head.setup.devices
         device = head.setup.gripper or (devices[0] if devices else None)
         name = f"{device.name if device else 'nothing that is named'}, {head.recorded_at:%Y-%m-%d %H:%M}"
-        yield Laid(name, place, next(filter(None, squeezes), None), next(filter(None, plots), None))
+        yield Laid(name, colour, next(filter(None, squeezes), None), next(filter(None, plots), None))
 
 
 def _small_series(store: Store, head: Head) -> Iterator[Series]:

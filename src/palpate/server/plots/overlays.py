@@ -13,7 +13,7 @@ __all__ = ["Laid", "Overlay", "overlay"]
 
 @dataclass(frozen=True)
 class Laid:
-    """A recording with a name and its place among the colours; its squeeze, or else its first channel, as a plot."""
+    """A recording with a name and the colour of its device; its squeeze, or else its first channel, as a plot."""
 
     name: str
     colour: int

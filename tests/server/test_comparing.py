@@ -1,0 +1,41 @@
+"""The page that compares devices: its colours, and what it says of what it cannot show."""
+
+import re
+
+from fastapi.testclient import TestClient
+
+from palpate.store.describing import change_thing
+from palpate.store.entries import Value
+from palpate.store.records import Device, Recording, Setup, ThingRef
+from palpate.store.store import Store
+from tests.store.made_up import squeeze
+
+CUP = ThingRef("lab", "cup")
+
+
+def measured(number: int, gripper: str) -> Recording:
+    setup = Setup(gripper=Device("gripper", gripper))
+    entries = (Value("mass", 12.0, 1.0, "g"),)
+    return squeeze(number, visibility="public", thing=CUP, setup=setup, entries=entries)
+
+
+def test_a_device_has_one_colour_on_a_page(client: TestClient, store: Store) -> None:
+    """In curves, their key, the table and the errors, in pictures and in figures, whichever was measured last."""
+    store.put_many([measured(1, "left"), measured(2, "right"), measured(3, "middle"), measured(4, "left")])
+    change_thing(store, CUP, lambda thing: thing.knowing(Value("mass", 10.0, unit="g"), "a scale"))
+    page = client.get("/compare?property=mass&object=lab/cup").text
+    keys = re.findall(r'class="dot c(\d)"/>(?:</svg>)? *(?:</svg>)? (\w+)', page)
+    assert sorted({name for _, name in keys}) == ["left", "middle", "right"]
+    assert len(set(keys)) == 3
+    colours = {name: int(colour) for colour, name in keys}
+    dots = re.findall(r'class="dot c(\d)"><title>(\w+):', page)
+    assert {name: int(colour) for colour, name in dots} == colours
+    assert {int(one) for one in re.findall(r'class="curve c(\d)"', page)} == set(colours.values())
+    # one of two is laid over: its colour stays
+    recording = re.findall(r'value="([0-9a-f-]{36})"[^>]*>\s*<svg[^>]*>[^/]*/></svg> right', page)[0]
+    alone = client.get(f"/compare?property=mass&object=lab/cup&recording={recording}").text
+    assert {int(one) for one in re.findall(r'class="curve c(\d)"', alone)} == {colours["right"]}
+    address = re.findall(r'data-figure="(/compare/curves[^"]*)"', alone)[0].replace("&amp;", "&")
+    assert f"colour={colours['right']}" in address
+    first = client.get(address.replace("colour=2", "colour=0")).text
+    assert ("#1b7837" in client.get(address).text, "#1b7837" in first) == (True, False)
