@@ -108,6 +108,10 @@ def test_who_may_change_what(client: TestClient, store: Store, token: Token) -> 
     [
         ({**MASS, "unit": "m"}, "known mass"),
         ({**MASS, "value": 1e999}, "known mass.value"),
+        ({**MASS, "value": -118.0}, "value: found -118, expected more than 0"),
+        ({**MASS, "unit": None}, "unit: is missing"),
+        ({"kind": "distribution", "property": "mass", "probabilities": {"120": 1.0}}, "value: found the label '120'"),
+        ({"kind": "value", "property": "material", "value": 5.0}, "material is a label"),
         ({"kind": "value", "property": "mass"}, "body.entry"),
         ({"kind": "failed", "reason": "broken"}, "known"),
         ({"kind": "distribution", "property": "material", "probabilities": {"wood": 0.5}}, "known material"),
@@ -155,6 +159,8 @@ def test_by_forms(client: TestClient, store: Store) -> None:
     wrong = send(do="know", property="mass", value="heavy", sd="", unit="g", source="guess")
     assert wrong.status_code == 422
     assert "expected a number" in wrong.text
+    forgotten = send(do="know", property="mass", value="120", sd="", unit="", source="guess")
+    assert "unit: is missing, expected one of mass" in forgotten.text
     assert send(do="forget", property="material", source="eye").status_code == 303
     assert send(do="merge", into="lab/mug").status_code == 303
     assert find_thing(store, "lab/cup").merged_into == find_thing(store, "lab/mug").ref

@@ -320,6 +320,13 @@ def test_a_typed_measurement(ann: TestClient, store: Store) -> None:
         assert refused.status_code == 422, wrong
         assert 'role="alert"' in refused.text
         assert "kitchen scale" in refused.text
+    for wrong, told in (
+        ({"value": "-5"}, "value: found -5, expected more than 0"),
+        ({"value": "heavy", "unit": "", "sd": ""}, "value: found the label"),
+        ({"unit": ""}, "unit: is missing"),
+        ({"property": "material", "value": "5", "unit": "", "sd": ""}, "material is a label"),
+    ):
+        assert told in ann.post("/upload/one", data={**given, **wrong}).text
     assert list_recordings(store).rows == ()
     for _ in range(2):
         found = ann.post("/upload/one", data=given)

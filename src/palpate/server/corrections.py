@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from palpate.server.plausible import check_plausible
 from palpate.server.problems import problem
 from palpate.server.security.accounts import Account, Role
 from palpate.store.audit import ADDED, CHANGED, MERGED, Change, history
@@ -51,6 +52,7 @@ class Corrections:
     def know(self, entry: Entry, source: str) -> None:
         """Tell what a source says of a property."""
         self._check(self.thing.ref)
+        check_plausible(self.store, entry)
         change_thing(self.store, self.thing.ref, lambda thing: thing.knowing(entry, source), who=self.who.name)
 
     def forget(self, property: str, source: str | None) -> None:

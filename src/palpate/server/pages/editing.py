@@ -71,11 +71,19 @@ def _know(corrections: Corrections, fields: Fields) -> None:
 
 
 def _entry(fields: Fields) -> Entry:
-    """A number with a unit, or a label."""
+    """A number, or a label where there is neither a unit nor a number."""
     name, value, unit = (fields.get(key, "") for key in ("property", "value", "unit"))
-    if not unit:
+    if not unit and not _is_number(value):
         return Distribution(name, {value: 1.0})
-    return Value(name, _number("value", value), _number("sd", fields["sd"]) if fields.get("sd") else None, unit)
+    return Value(name, _number("value", value), _number("sd", fields["sd"]) if fields.get("sd") else None, unit or None)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _number(where: str, text: str) -> float:

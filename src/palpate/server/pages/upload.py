@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import IO, Annotated
 
 from fastapi import APIRouter, Depends, Request
@@ -13,6 +13,7 @@ from starlette.datastructures import FormData, UploadFile
 
 from palpate.server.api.parameters import StoreOf
 from palpate.server.pages.templates import page
+from palpate.server.plausible import check_plausible
 from palpate.server.problems import problem
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.sites import check_same_site, form_of
@@ -26,6 +27,8 @@ from palpate.server.uploading.saving import save
 from palpate.server.uploading.showing import shown_of
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.importing.items import Fate
+from palpate.store.records import Receipt
+from palpate.store.store import Store
 from palpate.store.visible_episodes import recordings_of_digests
 
 __all__ = ["router"]
@@ -94,12 +97,19 @@ async def by_hand(request: Request, store: StoreOf, who: Owner) -> Response:
     """Keep a measurement that was typed."""
     fields = {name: value.strip() for name, value in (await form_of(request)).items()}
     try:
-        receipt = await run_in_threadpool(lambda: store.put(recording_by_hand(fields, who), uploader=who.name))
+        receipt = await run_in_threadpool(_keep_typed, store, who, fields)
     except UnavailableError:
         raise
     except StoreError as error:
         return await run_in_threadpool(_form, request, fields, str(error))
     return RedirectResponse(f"/recordings/{receipt.id}", 303)
+
+
+def _keep_typed(store: Store, who: Account, fields: Mapping[str, str]) -> Receipt:
+    recording = recording_by_hand(fields, who)
+    for entry in recording.entries:
+        check_plausible(store, entry)
+    return store.put(recording, uploader=who.name)
 
 
 @router.get("/{id}")
