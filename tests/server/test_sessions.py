@@ -42,6 +42,32 @@ def test_a_session_begins_and_ends(client: TestClient, store: Store) -> None:
     assert "private" not in client.get("/recordings").text
 
 
+def test_who_must_log_in_is_led_there_and_back(client: TestClient, store: Store) -> None:
+    """To the page that was asked for, also after a wrong password; and to no page of another site."""
+    add_user(store, "ann", Role.OWNER)
+    set_password(store, "ann", PASSWORD)
+    refused = client.get("/upload?device=a%26b", headers={"Accept": "text/html"})
+    assert refused.status_code == 401
+    (way,) = re.findall(r'<a class="button" href="(/login\?next=[^"]*)"', refused.text)
+    form = client.get(way.replace("&amp;", "&")).text
+    assert 'name="next" value="/upload?device=a%26b"' in form
+    fields = {"name": "ann", "password": "wrong", "next": "/upload?device=a%26b"}
+    assert 'name="next" value="/upload?device=a%26b"' in client.post("/login", data=fields, headers=ORIGIN).text
+    for given, expected in (
+        ("/upload?device=a%26b", "/upload?device=a%26b"),
+        ("//evil.example/", "/"),
+        ("/\\evil.example/", "/"),
+        ("/\t/evil.example/", "/"),
+        ("https://evil.example/", "/"),
+        ("upload", "/"),
+        ("/x\r\nSet-Cookie: a=b", "/"),
+        ("/login", "/"),
+    ):
+        fields = {"name": "ann", "password": PASSWORD, "next": given}
+        found = client.post("/login", data=fields, headers=ORIGIN, follow_redirects=False)
+        assert (found.status_code, found.headers["location"]) == (303, expected)
+
+
 def test_cookies_are_kept_from_scripts_and_other_sites(store: Store) -> None:
     """And over TLS from connections without it."""
     add_user(store, "ann", Role.OWNER)

@@ -11,6 +11,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from palpate.server.api.parameters import StoreOf
 from palpate.server.pages.templates import page
 from palpate.server.security.accounts import end, log_in
+from palpate.server.security.returns import own_path
 from palpate.server.security.sites import check_same_site, form_of
 from palpate.server.security.who import COOKIE, SESSION, Who
 from palpate.server.state import state_of
@@ -23,22 +24,22 @@ router = APIRouter()
 @router.get("/login")
 def form(request: Request, who: Who) -> HTMLResponse:
     """The form to log in by."""
-    return _form(request, 200, wrong=False, name="")
+    return _form(request, 200, wrong=False, name="", next=request.query_params.get("next", "/"))
 
 
 @router.post("/login")
 async def enter(request: Request, store: StoreOf) -> Response:
-    """Log in: a new session, whatever the browser had before."""
+    """Log in: a new session, whatever the browser had before; and back to the page that asked for it."""
     fields = await form_of(request)
-    name, password = fields.get("name", ""), fields.get("password", "")
+    name, password, next = fields.get("name", ""), fields.get("password", ""), fields.get("next", "/")
     tries = state_of(request).tries
     tries.check(request, name)
     # before it is known whether it is the right one, as others may be under way
     tries.count(request, name)
     secret = await run_in_threadpool(log_in, store, name, password)
     if secret is None:
-        return _form(request, 403, wrong=True, name=name)
-    found = RedirectResponse("/", 303)
+        return _form(request, 403, wrong=True, name=name, next=next)
+    found = RedirectResponse(own_path(next), 303)
     begin_session(found, secret, secure=state_of(request).settings.secure)
     return found
 
@@ -61,7 +62,7 @@ def leave(request: Request, store: StoreOf) -> Response:
     return found
 
 
-def _form(request: Request, status: int, *, wrong: bool, name: str) -> HTMLResponse:
+def _form(request: Request, status: int, *, wrong: bool, name: str, next: str) -> HTMLResponse:
     provider = state_of(request).provider
     host = None if provider is None else urlsplit(provider.issuer).hostname
-    return page(request, "login.html", status, wrong=wrong, name=name, provider=host)
+    return page(request, "login.html", status, wrong=wrong, name=name, provider=host, next=own_path(next))

@@ -21,6 +21,7 @@ from palpate.server.pages.bundles import bokeh_address
 from palpate.server.plots.drawing import number
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.headers import policy
+from palpate.server.security.returns import way_in
 from palpate.store.entries import Bound, Distribution, Entry, Interval, Value
 from palpate.store.records import ThingRef
 
@@ -43,7 +44,8 @@ def page(
 
 def error_page(request: Request, status: int, title: str, detail: str, headers: Mapping[str, str]) -> HTMLResponse:
     """The page of an error."""
-    return page(request, "error.html", status, headers, code=status, title=title, detail=detail)
+    log_in = way_in(request) if status == 401 else None
+    return page(request, "error.html", status, headers, code=status, title=title, detail=detail, log_in=log_in)
 
 
 @lru_cache(maxsize=1)

@@ -1,0 +1,38 @@
+"""Where somebody comes back to who had to log in first: a page of this site, and no other."""
+
+from __future__ import annotations
+
+import re
+from urllib.parse import quote
+
+from fastapi import Request
+
+__all__ = ["own_path", "way_in"]
+
+OWN = re.compile(r"/(?![/\\])[!-\[\]-~]*")
+LONGEST = 2000
+LOG_IN = "/login"
+
+
+def own_path(text: str) -> str:
+    """The path of a page of this site as it was given; the first page in place of anything else.
+
+    Two slashes, and a backslash, which browsers take for one, begin the name of another computer.
+
+    Examples
+    --------
+    >>> own_path("/upload?device=a"), own_path("//evil.example/"), own_path("https://evil.example/")
+    ('/upload?device=a', '/', '/')
+    """
+    is_own = len(text) <= LONGEST and OWN.fullmatch(text) and not text.startswith(LOG_IN)
+    return text if is_own else "/"
+
+
+def way_in(request: Request) -> str:
+    """The address to log in at, and to come back from to the page that was asked for."""
+    if request.method != "GET":
+        # what a form would have sent is not sent again
+        return LOG_IN
+    query = quote(request.url.query, safe="/?&=%+,:;@!$'()*~-._")
+    path = own_path(quote(request.scope["path"]) + (f"?{query}" if query else ""))
+    return LOG_IN if path == "/" else f"{LOG_IN}?next={quote(path, safe='/')}"
