@@ -159,6 +159,10 @@ def test_by_forms(client: TestClient, store: Store) -> None:
     wrong = send(do="know", property="mass", value="heavy", sd="", unit="g", source="guess")
     assert wrong.status_code == 422
     assert "expected a number" in wrong.text
+    for kept in ('name="value" value="heavy"', 'name="source" value="guess"', 'name="common_name" value="blue cup"'):
+        assert kept in wrong.text
+    nowhere = send(do="merge", into='nope"<')
+    assert (nowhere.status_code, 'name="into" value="nope&#34;&lt;"' in nowhere.text) == (422, True)
     forgotten = send(do="know", property="mass", value="120", sd="", unit="", source="guess")
     assert "unit: is missing, expected one of mass" in forgotten.text
     assert send(do="forget", property="material", source="eye").status_code == 303

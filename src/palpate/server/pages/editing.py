@@ -12,7 +12,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from palpate.server.api.parameters import SeenThing, StoreOf
 from palpate.server.corrections import Corrections
 from palpate.server.pages.templates import page
-from palpate.server.problems import problem
+from palpate.server.problems import ProblemError, problem
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.sites import form_of
 from palpate.server.security.who import needs
@@ -29,7 +29,7 @@ Fields = Mapping[str, str]
 @router.get("")
 def forms(request: Request, store: StoreOf, who: Owner, thing: SeenThing) -> HTMLResponse:
     """All forms, and who changed what before."""
-    return _page(request, Corrections(store, who, thing), None)
+    return _page(request, Corrections(store, who, thing), {}, None)
 
 
 @router.post("")
@@ -44,15 +44,18 @@ async def change(request: Request, store: StoreOf, who: Owner, thing: SeenThing)
         await run_in_threadpool(act, corrections, fields)
     except UnavailableError:
         raise
-    except StoreError as error:
-        return await run_in_threadpool(_page, request, corrections, str(error))
+    except (StoreError, ProblemError) as error:
+        told = error.detail if isinstance(error, ProblemError) else str(error)
+        if isinstance(error, ProblemError) and error.status_code != 422:
+            raise
+        return await run_in_threadpool(_page, request, corrections, fields, told)
     return RedirectResponse(request.url.path.removesuffix("/edit"), 303)
 
 
-def _page(request: Request, corrections: Corrections, fault: str | None) -> HTMLResponse:
-    status = 200 if fault is None else 422
-    thing = corrections.thing
-    return page(request, "edit.html", status, thing=thing, history=corrections.history()[:30], fault=fault)
+def _page(request: Request, corrections: Corrections, given: Fields, fault: str | None) -> HTMLResponse:
+    status, thing = 200 if fault is None else 422, corrections.thing
+    history = corrections.history()[:30]
+    return page(request, "edit.html", status, thing=thing, history=history, given=given, fault=fault)
 
 
 def _describe(corrections: Corrections, fields: Fields) -> None:
