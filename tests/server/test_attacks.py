@@ -107,6 +107,8 @@ ODD = [
     "sort=recorded;drop table recordings",
     "since=yesterday",
     "since=99999999999999999999",
+    "since=2027",
+    "until=2026",
     "setup=zz",
     "label=material",
     "known=:wood",
@@ -127,6 +129,18 @@ def test_odd_questions_are_refused_by_field(client: TestClient, store: Store, re
         plain = found.json()
         assert {"type", "title", "status", "detail"} <= plain.keys()
         assert plain["status"] == 422
+
+
+@pytest.mark.parametrize("resource", ["recordings", "entries", "episodes"])
+def test_a_bare_year_is_not_taken_for_seconds(client: TestClient, store: Store, resource: str) -> None:
+    """It is refused with what would be right, which is taken."""
+    for name in ("since", "until"):
+        found = client.get(f"{API}/{resource}?{name}=2027")
+        assert found.status_code == 422
+        detail = found.json()["detail"]
+        assert detail.startswith(f"query.{name}:")
+        assert "is a number, expected a date such as 2024-05-01" in detail
+        assert client.get(f"{API}/{resource}?{name}=2027-01-01").status_code == 200
 
 
 def test_sql_in_a_question_is_text(client: TestClient, store: Store) -> None:
