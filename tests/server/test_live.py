@@ -4,16 +4,21 @@ import json
 import threading
 import time
 from collections.abc import Callable, Iterator
+from datetime import UTC, datetime
 from typing import Any
 from urllib.request import Request, urlopen
 
 import pytest
 from fastapi.testclient import TestClient
 
+from palpate import ExactBelief, FunctionRobot, Reading, explore, load_network
+from palpate.episode.format import About, header_record
+from palpate.episode.keeping import stored_record
 from palpate.server.pages import live
 from palpate.store.episodes import StoredEpisode
 from palpate.store.keeping_episodes import put_episode
 from palpate.store.opening import open_store
+from palpate.store.records import ThingRef
 from palpate.store.store import Store
 from tests.server.serving import served
 from tests.store.made_up import made_episode, squeeze
@@ -86,6 +91,28 @@ def test_a_stream_ends_by_itself(client: TestClient, store: Store, monkeypatch: 
     began = time.monotonic()
     assert "retry:" in client.get(f"/episodes/{episode.id}/events").text
     assert time.monotonic() - began < 5
+
+
+def test_what_nobody_told_of_an_exploration_is_left_out(client: TestClient, store: Store) -> None:
+    """A program need not tell how it chooses: the page has no gaps in its place."""
+    belief = ExactBelief(load_network("pantry"))
+    robot = FunctionRobot({"weigh": lambda: Reading(310.0)})
+    header, stop = header_record(belief, About()), {"stop": "nothing is left"}
+    bare = StoredEpisode(datetime.now(UTC), ThingRef("lab", "jar"), header, visibility="public")
+    for step in explore(belief, robot):
+        bare = bare.continued(stored_record(step))
+    put_episode(store, bare.continued(stop) if bare.stop is None else bare)
+    page = client.get(f"/episodes/{bare.id}").text
+    assert "<p>With the network pantry.</p>" in page
+    assert "What each is expected to tell.</p>" in page
+    assert 3 * "<td>\N{EN DASH}</td>" in client.get("/episodes").text
+
+    told = header_record(belief, About(objective="mass", robot="arm 3"))
+    put_episode(store, told_one := StoredEpisode(datetime.now(UTC), ThingRef("lab", "jar"), told, visibility="public"))
+    assert (
+        "<p>To learn mass, with the robot “arm 3” and the network pantry.</p>"
+        in client.get(f"/episodes/{told_one.id}").text
+    )
 
 
 def test_others_see_nothing_of_it(client: TestClient, store: Store, token: Callable[..., dict[str, str]]) -> None:
