@@ -130,6 +130,20 @@ def test_what_is_no_address_is_refused(url: str) -> None:
         HttpReceiver(url)
 
 
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [
+        ("https://touch.example.org", "https://touch.example.org/api/v1"),
+        ("http://127.0.0.1:8000/", "http://127.0.0.1:8000/api/v1"),
+        ("https://touch.example.org/api/v1/", "https://touch.example.org/api/v1"),
+        ("https://example.org/touch/api/v1", "https://example.org/touch/api/v1"),
+    ],
+)
+def test_an_address_without_a_path_is_that_of_its_service(given: str, meant: str) -> None:
+    """What people see of a server is its first page: its service is where it always is."""
+    assert HttpReceiver(given).url == meant
+
+
 def test_a_spool_arrives_after_an_outage(server: StubServer, tmp_path: Path) -> None:
     """The spool is sent through errors of the server, each recording once."""
     spool = Spool(tmp_path, sync=False)

@@ -98,7 +98,7 @@ def _receiver(place: str | None) -> Iterator[tuple[Receiver, Callable[[StoredEpi
         from palpate.client import Client
 
         client = Client(place)
-        yield client, client.put_episode, place
+        yield client, client.put_episode, client.url
         return
     from palpate.cli.storing import tell_made
     from palpate.store.keeping_episodes import put_episode

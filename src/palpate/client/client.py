@@ -43,7 +43,7 @@ class Client(HttpReceiver):
 
     Examples
     --------
-    >>> client = Client("https://measurements.example.org/api/v1")
+    >>> client = Client("https://measurements.example.org")
     >>> client.url
     'https://measurements.example.org/api/v1'
     """

@@ -17,6 +17,7 @@ from palpate.client.errors import NotAllowedError, NotThereError, ReceiverError,
 
 __all__ = ["Connection"]
 
+SERVICE = "/api/v1"
 REFUSALS = (400, 409, 413, 415, 422)
 MISSING = (404, 410)
 ERROR_BYTES = 64 << 10
@@ -24,13 +25,14 @@ LARGEST_ANSWER_BYTES = 64 << 20
 
 
 class Connection:
-    """The address of a server, and the token that is sent to no other address."""
+    """The address of a service, or of the server that has it, and the token that is sent to no other address."""
 
     def __init__(self, url: str, token: str | None, timeout_s: float) -> None:
         parts = urlsplit(url)
         if parts.scheme not in ("http", "https") or not parts.hostname:
             raise ReceiverError(f"{url!r} is no address of a server, expected https://... or http://...")
-        self.url = url.rstrip("/")
+        # people know a server by its first page: its service is always at the same place
+        self.url = url.rstrip("/") if parts.path.strip("/") else parts._replace(path=SERVICE).geturl()
         self.timeout_s = timeout_s
         self._token = os.environ.get("PALPATE_TOKEN", "") if token is None else token
 

@@ -30,7 +30,8 @@ class HttpReceiver:
     Parameters
     ----------
     url
-        Address of the service, such as ``https://measurements.example.org/api/v1``.
+        Address of the service, such as ``https://measurements.example.org/api/v1``; that of a server without a path
+        stands for the service there.
     token
         Says who is sending; the environment variable ``PALPATE_TOKEN`` unless given. It goes to no other address.
     timeout_s
