@@ -149,7 +149,7 @@ def _cases(tried: Tried, operation: Any) -> list[Any]:
 
 def _fault(case: Any, client: Any, headers: dict[str, str]) -> tuple[str, str] | None:
     wanted = [check for check in CHECKS if case.operation.label not in EXCEPT.get(check, ())]
-    if "" in (case.query or {}).values():
+    if any(value in ("", None, [], [""], {}) for value in (case.query or {}).values()):
         # what is left empty in a form asks for nothing
         wanted.remove(checks.negative_data_rejection)
     try:
