@@ -129,6 +129,26 @@ def test_stress_over_strain_has_youngs_modulus_as_its_slope(told_by: str) -> Non
     assert ("as it is known" if told_by == "grasp" else "the gap at contact") in squeeze_words(found)
 
 
+@pytest.mark.parametrize(("length", "to_length"), [("m", 1e-3), ("cm", 0.1)])
+def test_a_squeeze_in_other_units_with_a_sample_missing_is_one(length: str, to_length: float) -> None:
+    """The modulus is that of mm and N; what is missing is left out, and said."""
+    gap, force = (channel.values.copy() for channel in spring(40.0, 1.5).channels)
+    held = Held(area_mm2=600.0, width_mm=40.0)
+    force[7] = np.nan
+    channels = (
+        Channel("gap", "length", length, gap * to_length),
+        Channel("force", "force", "kN", force * 1e-3),
+    )
+    found = squeeze_of(Series("gripper", channels), held)
+    assert found is not None
+    assert found.modulus_kpa == pytest.approx(100.0, rel=0.02)
+    assert squeeze_plot(found).curves[0].x.size == gap.size - 1
+    assert "is missing: 1." in squeeze_words(found)
+    whole = squeeze_of(spring(40.0, 1.5), held)
+    assert whole is not None
+    assert "left out" not in squeeze_words(whole)
+
+
 def test_a_squeeze_of_nothing_says_why_there_is_no_line() -> None:
     """Noise alone: force over the gap, with the reason."""
     gap, force = np.linspace(50, 40, 80), np.random.default_rng(0).normal(0, 0.1, 80)

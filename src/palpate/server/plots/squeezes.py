@@ -25,6 +25,10 @@ LIMIT_KPA, DRAWN_KPA = Jaws(1.0).limit_kpa, 1e5
 STEPS = ("gap_step_mm", "count_mm")
 """Parameters of a gripper that tell in which steps its position comes."""
 
+MM: Mapping[str, float] = {"mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "µm": 1e-3}
+NEWTON: Mapping[str, float] = {"N": 1.0, "kN": 1e3, "mN": 1e-3}
+"""Factors to mm and N: a few, as a unit may be any text, and asking what it means may take long."""
+
 
 @dataclass(frozen=True)
 class Held:
@@ -67,6 +71,8 @@ class FoundSqueeze:
         What is known of area and width.
     flaw
         Why there is no line, or why it is not trusted; empty where it is.
+    missing
+        How many samples were left out, as gap or force is no number.
     """
 
     gap_mm: Numbers
@@ -74,6 +80,7 @@ class FoundSqueeze:
     hinge: Hinge | None
     held: Held
     flaw: str = ""
+    missing: int = 0
 
     @property
     def width_mm(self) -> float | None:
@@ -104,14 +111,28 @@ class FoundSqueeze:
 
 
 def squeeze_of(series: Series, held: Held) -> FoundSqueeze | None:
-    """Force over the gap, where a series has one channel in mm and one in N that were sampled together."""
-    gaps = [one for one in series.channels if one.unit == "mm" and one.values.ndim == 1]
-    forces = [one for one in series.channels if one.unit == "N" and one.values.ndim == 1]
-    if len(gaps) != 1 or len(forces) != 1 or len(gaps[0].values) != len(forces[0].values):
+    """Force over the gap, where a series has one channel of a length and one of a force that were sampled together.
+
+    Samples of which either is missing are left out.
+    """
+    gaps, forces = _in_unit(series, MM), _in_unit(series, NEWTON)
+    if len(gaps) != 1 or len(forces) != 1 or len(gaps[0]) != len(forces[0]):
         return None
-    gap, force = (np.asarray(one[0].values, dtype=np.float64) for one in (gaps, forces))
-    if not (len(gap) and np.isfinite(gap).all() and np.isfinite(force).all()):
+    is_there = np.isfinite(gaps[0]) & np.isfinite(forces[0])
+    gap, force = gaps[0][is_there], forces[0][is_there]
+    if not len(gap):
         return None
+    return replace(_found(gap, force, held), missing=int(np.count_nonzero(~is_there)))
+
+
+def _in_unit(series: Series, factors: Mapping[str, float]) -> list[Numbers]:
+    """Rows of samples in the first of some units, each (n)."""
+    rows = [one for one in series.channels if one.unit in factors and one.values.ndim == 1]
+    # what is in that unit already stays what it is to the last bit
+    return [np.asarray(one.values, dtype=np.float64) * factors[one.unit or ""] for one in rows]
+
+
+def _found(gap: Numbers, force: Numbers, held: Held) -> FoundSqueeze:
     try:
         return _fitted(gap, force, held) if held.area_mm2 is None else _estimated(gap, force, held, held.area_mm2)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
@@ -166,7 +187,12 @@ def _stress_plot(found: FoundSqueeze, hinge: Hinge, indentation_mm: Numbers) -> 
 
 
 def squeeze_words(found: FoundSqueeze) -> str:
-    """What was taken for known; or why it is force over the gap that is drawn."""
+    """What was taken for known; or why it is force over the gap that is drawn; and what was left out."""
+    left_out = f" Samples left out, as gap or force is missing: {found.missing}." if found.missing else ""
+    return f"{_words(found)}{left_out}"
+
+
+def _words(found: FoundSqueeze) -> str:
     if found.is_stress:
         width = found.width_mm or 0.0
         known = "as it is known" if found.held.width_mm else "the gap at contact, as no width is told"
