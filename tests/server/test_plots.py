@@ -282,7 +282,7 @@ def test_points_are_where_their_values_are() -> None:
     assert points_plot("mass", [], [(15.0, "scale")]) is None
 
 
-def test_squeezes_are_laid_over_each_other_from_contact_on() -> None:
+def test_squeezes_are_laid_over_each_other_with_their_contacts_at_0() -> None:
     """Springs of one stiffness that begin at 40 and at 55 mm: both curves rise from 0; without an area it is force."""
     held = Held(area_mm2=600.0)
     laid = [
@@ -291,7 +291,9 @@ def test_squeezes_are_laid_over_each_other_from_contact_on() -> None:
     found = overlay(laid)
     assert found.plot is not None
     assert (found.plot.across, found.plot.up) == ("strain", "stress [kPa]")
+    assert "Contact, where the fitted line begins, is at 0" in found.words
     for curve, width in zip(found.plot.curves, (40, 55), strict=True):
+        assert curve.x.min() == pytest.approx(-5 / width, rel=0.05)
         assert np.interp(4 / width, curve.x, curve.y) == pytest.approx(1e3 * 1.5 * 4 / 600, rel=0.04)
         assert abs(curve.y[curve.x < -0.02]).max() < 0.2
     unknown = Laid("other", 2, squeeze_of(spring(30.0, 1.5), Held()), None)

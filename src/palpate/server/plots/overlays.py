@@ -31,7 +31,7 @@ class Overlay:
 
 
 def overlay(laid: Sequence[Laid]) -> Overlay:
-    """Lay recordings over each other: squeezes from contact on, other signals over time."""
+    """Lay recordings over each other: squeezes with their contacts at 0, other signals over time."""
     squeezes = [(one, one.squeeze) for one in laid if one.squeeze is not None and one.squeeze.hinge is not None]
     return _squeezes(laid, squeezes) if squeezes else _channels(laid)
 
@@ -40,7 +40,7 @@ def _squeezes(laid: Sequence[Laid], found: Sequence[tuple[Laid, FoundSqueeze]]) 
     is_stress = all(squeeze.is_stress for _, squeeze in found)
     curves = tuple(Curve(*_aligned(squeeze, is_stress=is_stress), one.name, one.colour) for one, squeeze in found)
     across, up = ("strain", "stress [kPa]") if is_stress else ("beyond contact [mm]", "force [N]")
-    words = "From contact on, where the fitted line begins."
+    words = "Contact, where the fitted line begins, is at 0; what is left of it was measured before contact."
     if not is_stress:
         words += " Force, not stress, as the contact area is not known of all."
     plot = Plot(f"{up} over {across} of {len(curves)} squeezes", across, up, curves)

@@ -178,7 +178,7 @@ def _stress_plot(found: FoundSqueeze, hinge: Hinge, indentation_mm: Numbers) -> 
     modulus = found.modulus_kpa or 0.0
     fitted = Curve(knots, modulus * np.maximum(0.0, knots), "fitted line", look=Look.FITTED)
     return Plot(
-        "stress [kPa] over strain, from contact on",
+        "stress [kPa] over strain, which is 0 at contact",
         "strain (shortened by, over the width at rest)",
         "stress [kPa]",
         (Curve(strain, stress_kpa, "measured"), fitted),
