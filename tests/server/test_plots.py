@@ -126,6 +126,9 @@ def test_stress_over_strain_has_youngs_modulus_as_its_slope(told_by: str) -> Non
     assert measured.y[-1] == pytest.approx(1e3 * 1.5 * 8 / 600, rel=0.03)
     assert abs(measured.y[:40]).max() < 0.2
     assert fitted.y[-1] / fitted.x[-1] == pytest.approx(found.modulus_kpa)
+    # the figure that one can zoom tells it too
+    assert plot.note.startswith("fitted: ")
+    assert plot.note in figure_json(plot, dark=False).decode()
     assert ("as it is known" if told_by == "grasp" else "the gap at contact") in squeeze_words(found)
 
 
@@ -147,6 +150,14 @@ def test_a_squeeze_in_other_units_with_a_sample_missing_is_one(length: str, to_l
     whole = squeeze_of(spring(40.0, 1.5), held)
     assert whole is not None
     assert "left out" not in squeeze_words(whole)
+
+
+def test_a_squeeze_of_something_very_stiff_says_that_it_is() -> None:
+    """Far above what can be drawn there is no line, and the reason is that."""
+    found = squeeze_of(spring(40.0, 1.5e6), Held(area_mm2=600.0, width_mm=40.0))
+    assert found is not None
+    assert found.hinge is None
+    assert "No line could be fitted: it is above 100000 kPa" in squeeze_words(found)
 
 
 def test_a_squeeze_of_nothing_says_why_there_is_no_line() -> None:

@@ -19,6 +19,7 @@ from palpate.server.plots.svg import HEIGHT, LEFT, LEFT_OF_ROWS, short
 
 if TYPE_CHECKING:
     from bokeh.models import ColumnDataSource
+    from bokeh.models.annotations import Title
     from bokeh.models.renderers import GlyphRenderer
     from bokeh.plotting import figure
 
@@ -50,6 +51,8 @@ def figure_json(plot: Plot, *, dark: bool) -> bytes:
     if plot.levels:
         _add_levels(found, plot, colours)
     _colour(found, colours)
+    if plot.note:
+        found.title = _title(plot.note, colours)
     return json.dumps(json_item(found)).encode()
 
 
@@ -80,6 +83,12 @@ def _empty(plot: Plot) -> figure:
     else:
         found.yaxis.axis_label = PlainText(text=plot.up or "")
     return found
+
+
+def _title(note: str, colours: Colours) -> Title:
+    from bokeh.models.annotations import Title
+
+    return Title(text=note, align="right", text_color=colours["faint"], text_font_style="normal", text_font_size="12px")
 
 
 def _named(name: str, note: str) -> str:

@@ -151,12 +151,17 @@ def _estimated(gap: Numbers, force: Numbers, held: Held, area_mm2: float) -> Fou
     """By the estimator, with the line also where the modulus is above what grippers can tell."""
     jaws = Jaws(area_mm2, held.width_mm, limit_kpa=DRAWN_KPA, gap_sd_mm=held.gap_sd_mm)
     found = squeeze(gap, force, jaws)
+    if isinstance(found.outcome, Above) and found.hinge is None:
+        return FoundSqueeze(gap, force, None, held, _too_stiff(DRAWN_KPA))
     if not isinstance(found.outcome, Failed):
         return FoundSqueeze(gap, force, found.hinge, held)
     if isinstance(squeeze(gap, force, replace(jaws, limit_kpa=LIMIT_KPA)).outcome, Above):
-        stiff = f"it is above {LIMIT_KPA:g} kPa, and the jaws rest on it while the force grows"
-        return FoundSqueeze(gap, force, None, held, stiff)
+        return FoundSqueeze(gap, force, None, held, _too_stiff(LIMIT_KPA))
     return FoundSqueeze(gap, force, found.hinge, held, found.outcome.reason)
+
+
+def _too_stiff(limit_kpa: float) -> str:
+    return f"it is above {limit_kpa:.6g} kPa, and the jaws rest on it while the force grows"
 
 
 def squeeze_plot(found: FoundSqueeze) -> Plot:
