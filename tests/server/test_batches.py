@@ -13,7 +13,7 @@ from palpate.server.security.accounts import Role
 from palpate.store.checks import check
 from palpate.store.errors import StoreError
 from palpate.store.importing.lines import line_of, recording_of
-from palpate.store.records import Recording
+from palpate.store.records import Device, Pose, Recording, Setup
 from palpate.store.store import Store
 from tests.server.packages import package
 from tests.store.made_up import recordings, squeeze
@@ -43,11 +43,15 @@ def test_lines_by_hand() -> None:
         "action": "squeezing",
         "thing": {"dataset": "ycb", "id": "025_mug"},
         "entries": [{"kind": "value", "property": "elasticity", "value": 5.0, "sd": None, "unit": "kPa"}],
+        "setup": {"gripper": {"name": "jaws"}},
+        "gripper_pose": {"translation_m": [0.0, 0.1, 0.2]},
         **with_values([1, None, 3], unit="N", rate_hz=10),
     }
     found = recording_of(json.dumps(line).encode())
     assert found.series[0].channels[0].values[2] == 3
     assert found.visibility == "private"
+    assert found.gripper_pose == Pose((0.0, 0.1, 0.2))
+    assert found.setup == Setup(gripper=Device("gripper", "jaws"))
 
 
 @pytest.mark.parametrize(
@@ -59,6 +63,19 @@ def test_lines_by_hand() -> None:
         ({"entries": [{"kind": "guess"}]}, "entries"),
         ({"thing": "mug"}, "thing"),
         ({"log": 5}, "log"),
+        ({"recorded_at": 5}, "^recorded_at: cannot be read, expected a time such as"),
+        ({"entries": 5}, "^entries: is a int, expected a list"),
+        ({"entries": [5]}, r"^entries\[0\]: is a int, expected an object with kind"),
+        ({"entries": [{"kind": "value"}]}, r"^entries\[0\].property: is missing"),
+        ({"entries": [{"kind": "value", "property": "a", "value": 1, "x": 2}]}, r"^entries\[0\]: 'x' is unknown"),
+        ({"setup": 5}, "^setup: is a int, expected an object$"),
+        ({"setup": {"hand": None}}, "^setup: 'hand' is unknown, expected arm, gripper"),
+        ({"setup": {"gripper": {}}}, "^setup.gripper.name: is missing"),
+        ({"setup": {"other": {}}}, "^setup.other: is a dict, expected a list"),
+        ({"setup": {"other": [None]}}, r"^setup.other\[0\]: is a NoneType, expected an object"),
+        ({"thing": {"id": "mug"}}, "^thing.dataset: is missing"),
+        ({"thing": {"id": "mug", "dataset": "lab", "aliases": 3}}, "^thing: cannot be read, expected dataset"),
+        ({"gripper_pose": {"translation_m": 5, "frame": "a"}}, "^gripper_pose: cannot be read, expected translation"),
         ({"series": {}}, "series"),
         ({"series": [{"name": "a"}]}, r"series\[0\].channels"),
         (with_values([[1], [1, 2]]), "values"),

@@ -1,9 +1,10 @@
 """A recording as one line of JSON: the form of batches for programs that make no packages.
 
 The fields are those of `palpate.store.records.Recording`, as a package has them; ``entries``, ``thing`` and ``setup``
-are objects, ``series`` a list of ``{"name", "channels"}``. A channel has ``name``, ``quantity``, ``unit``, and
-``rate_hz`` or ``time_s``; its ``values`` are nested lists, null where a sample is missing, or
-``{"dtype", "shape", "base64"}``. ``files`` are ``{"name", "media_type", "base64"}``.
+are objects, a setup one of devices: ``{"gripper": {"name": ...}, "other": [{"name": ...}]}``. ``series`` is a list of
+``{"name", "channels"}``. A channel has ``name``, ``quantity``, ``unit``, and ``rate_hz`` or ``time_s``; its ``values``
+are nested lists, null where a sample is missing, or ``{"dtype", "shape", "base64"}``. ``files`` are
+``{"name", "media_type", "base64"}``.
 """
 
 from __future__ import annotations
@@ -11,7 +12,6 @@ from __future__ import annotations
 import base64
 import binascii
 import json
-from collections.abc import Mapping
 from math import prod
 from typing import Any
 
@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 
 from palpate.store.content import canonical_array
 from palpate.store.errors import StoreError
-from palpate.store.importing.plain import FIELDS, decode, encode
+from palpate.store.importing.line_fields import decoded, named
+from palpate.store.importing.plain import FIELDS, encode
 from palpate.store.records import Channel, FileItem, Recording, Series
 
 __all__ = ["line_of", "recording_of"]
@@ -68,10 +69,7 @@ def recording_of(line: bytes) -> Recording:
     if missing:
         raise StoreError(f"{missing[0]}: is missing, expected it in each line")
     signals = {name: plain.pop(name) for name in SIGNALS if name in plain}
-    thing = plain["thing"]
-    if isinstance(thing, dict):
-        plain["thing"] = {"aliases": [], **thing}
-    fields = decode(plain, "line")
+    fields = decoded(plain)
     series = tuple(_series(f"series[{n}]", one) for n, one in enumerate(_list("series", signals.get("series", []))))
     files = tuple(_file(f"files[{n}]", one) for n, one in enumerate(_list("files", signals.get("files", []))))
     log = signals.get("log", "")
@@ -89,13 +87,13 @@ def _channel_plain(channel: Channel) -> dict[str, Any]:
 
 
 def _series(where: str, plain: Any) -> Series:
-    fields = _fields(where, plain, ("name", "channels"), ())
+    fields = named(where, plain, ("name", "channels"), ())
     channels = _list(f"{where}.channels", fields["channels"])
     return Series(fields["name"], tuple(_channel(f"{where}.channels[{n}]", one) for n, one in enumerate(channels)))
 
 
 def _channel(where: str, plain: Any) -> Channel:
-    fields = _fields(where, plain, ("name", "quantity", "values"), ("unit", "rate_hz", "time_s"))
+    fields = named(where, plain, ("name", "quantity", "values"), ("unit", "rate_hz", "time_s"))
     times = fields.get("time_s")
     rate = fields.get("rate_hz")
     if rate is not None and (isinstance(rate, bool) or not isinstance(rate, int | float)):
@@ -113,7 +111,7 @@ def _channel(where: str, plain: Any) -> Channel:
 def _array(where: str, plain: Any) -> NDArray[Any]:
     if isinstance(plain, list):
         return _numbers(where, plain)
-    fields = _fields(where, plain, ("dtype", "shape", "base64"), ())
+    fields = named(where, plain, ("dtype", "shape", "base64"), ())
     shape = fields["shape"]
     try:
         dtype = np.dtype(fields["dtype"])
@@ -137,7 +135,7 @@ def _numbers(where: str, plain: Any) -> NDArray[np.float64]:
 
 
 def _file(where: str, plain: Any) -> FileItem:
-    fields = _fields(where, plain, ("name", "media_type", "base64"), ())
+    fields = named(where, plain, ("name", "media_type", "base64"), ())
     return FileItem(fields["name"], fields["media_type"], _data(f"{where}.base64", fields["base64"]))
 
 
@@ -146,18 +144,6 @@ def _data(where: str, text: Any) -> bytes:
         return base64.b64decode(text, validate=True)
     except (TypeError, ValueError, binascii.Error):
         raise StoreError(f"{where}: is no base64") from None
-
-
-def _fields(where: str, plain: Any, needed: tuple[str, ...], more: tuple[str, ...]) -> Mapping[str, Any]:
-    if not isinstance(plain, dict):
-        raise StoreError(f"{where}: is a {type(plain).__name__}, expected an object with {', '.join(needed)}")
-    for name in needed:
-        if name not in plain:
-            raise StoreError(f"{where}.{name}: is missing")
-    for name in plain:
-        if name not in needed + more:
-            raise StoreError(f"{where}: {str(name)[:40]!r} is unknown, expected {', '.join(needed + more)}")
-    return plain
 
 
 def _list(where: str, plain: Any) -> list[Any]:
