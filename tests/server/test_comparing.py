@@ -39,3 +39,20 @@ def test_a_device_has_one_colour_on_a_page(client: TestClient, store: Store) -> 
     assert f"colour={colours['right']}" in address
     first = client.get(address.replace("colour=2", "colour=0")).text
     assert ("#1b7837" in client.get(address).text, "#1b7837" in first) == (True, False)
+
+
+def test_of_more_than_eight_eight_are_drawn_and_all_stay_ticked(client: TestClient, store: Store) -> None:
+    """Nothing that was chosen is lost, and the page says what it does not show."""
+    ids = [store.put(measured(number, f"gripper{number}")).id for number in range(10)]
+    asked = "&".join(f"recording={one}" for one in ids)
+    found = client.get(f"/compare?property=mass&object=lab/cup&{asked}")
+    assert found.status_code == 200
+    assert found.text.count(" checked>") == 10
+    assert len(re.findall(r'class="curve c\d"', found.text)) == 8
+    assert "Eight at most are laid over each other: 2 of those that you chose are not." in found.text
+    assert (
+        "are laid over each other"
+        not in client.get(
+            f"/compare?property=mass&object=lab/cup&{asked.rpartition('&recording')[0].rpartition('&recording')[0]}"
+        ).text
+    )

@@ -9,7 +9,7 @@ from uuid import UUID
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict
 
 from palpate.server.api.parameters import StoreOf
 from palpate.server.api.queries import Text
@@ -18,7 +18,6 @@ from palpate.server.benchmark import Agreement, agreements
 from palpate.server.pages.overlays import Choice, choices_of, laid_over
 from palpate.server.pages.shown import Dark, figure, shown
 from palpate.server.pages.templates import page, search
-from palpate.server.plots.drawing import COLOURS
 from palpate.server.plots.errors import errors_plot
 from palpate.server.security.who import Who
 from palpate.store.records import ThingRef
@@ -39,7 +38,7 @@ class Asked(BaseModel):
 
     property: Text | None = None
     object: Text | None = None
-    recording: list[UUID] = Field([], max_length=COLOURS)
+    recording: list[UUID] = []
 
 
 @router.get("")
@@ -62,6 +61,7 @@ def compare(request: Request, store: StoreOf, who: Who, asked: Annotated[Asked, 
         things=sorted(things),
         thing=thing,
         choices=choices,
+        not_drawn=sum(one.ticked and one.colour is None for one in choices),
         laid=laid,
         plot=None if found is None else shown(errors_plot(found), search("/compare/plot.json", property=name or "")),
     )

@@ -37,12 +37,16 @@ Colours = Annotated[tuple[Annotated[int, Field(ge=0, lt=COLOURS)], ...], Query(m
 
 @dataclass(frozen=True)
 class Choice:
-    """A recording that may be chosen; `colour` is that of its device, and None where it is not chosen."""
+    """A recording that may be chosen; `colour` is that of its device, None where it is not drawn.
+
+    Of very many that are `ticked` not all are drawn.
+    """
 
     recording: UUID
     name: str
     value: str
     colour: int | None
+    ticked: bool
 
 
 def choices_of(results: Sequence[Result], chosen: Sequence[UUID], devices: Sequence[str]) -> list[Choice]:
@@ -62,11 +66,18 @@ def choices_of(results: Sequence[Result], chosen: Sequence[UUID], devices: Seque
         if counts[one.measured_by] <= OF_A_DEVICE or one.recording in chosen:
             shown.append(one)
     there = [one.recording for one in shown]
-    wanted = [key for key in chosen if key in there] or first[:COLOURS]
+    wanted = [key for key in dict.fromkeys(chosen) if key in there] or first[:COLOURS]
+    drawn = wanted[:COLOURS]
     every = dict.fromkeys([*devices, *sorted(counts)])
     colours = {device: place % COLOURS for place, device in enumerate(every)}
     found = [
-        Choice(one.recording, _name(one), _value(one), colours[one.measured_by] if one.recording in wanted else None)
+        Choice(
+            recording=one.recording,
+            name=_name(one),
+            value=_value(one),
+            colour=colours[one.measured_by] if one.recording in drawn else None,
+            ticked=one.recording in wanted,
+        )
         for one in shown
     ]
     return sorted(found, key=lambda one: one.name)
