@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from sqlalchemy import func, select
+from sqlalchemy import false, func, select
 
 from palpate.store import schema
 from palpate.store.fetching import setup_of
@@ -31,7 +31,7 @@ def censored_of_property(store: Store, viewer: Viewer, property: str) -> Counter
         .join(head, head.c.id == func.coalesce(own.c.merged_into, own.c.id))
         # without a unit there is no telling what a number is
         .where(entries.property == property, entries.kind.in_(("bound", "interval")), entries.unit.is_not(None))
-        .where(recordings.c.ground_truth.is_(False), viewer.of(recordings))
+        .where(recordings.c.ground_truth.is_(false()), viewer.of(recordings))
         .group_by(setups.c.digest, setups.c.document, head.c.dataset, head.c.name)
     )
     found: Counter[tuple[str, tuple[str, str]]] = Counter()
