@@ -347,6 +347,14 @@ def test_a_number_that_is_none_is_not_kept(ann: TestClient, store: Store) -> Non
     assert list_recordings(store).rows == ()
 
 
+def test_one_upload_too_many_says_what_made_room(ann: TestClient) -> None:
+    """On the page of the new one, beforehand on the form, and at the address of the one that is gone."""
+    assert f"{MOST_OF_ACCOUNT} uploads wait for that at most" in ann.get("/upload").text
+    sent = [send(ann, {"notes.txt": b"nothing"}) for _ in range(MOST_OF_ACCOUNT + 1)]
+    assert ["1 older upload of yours" in text for _, text in sent] == [False] * MOST_OF_ACCOUNT + [True]
+    assert "newer ones took its place" in ann.get(sent[0][0]).text
+
+
 def test_previews_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """After a while, and the oldest of an account when it has too many; those of others stay."""
     previews, others = Previews(tmp_path), Previews(tmp_path)

@@ -21,7 +21,7 @@ from palpate.server.security.who import needs
 from palpate.server.state import State, state_of
 from palpate.server.uploading.by_hand import recording_by_hand
 from palpate.server.uploading.keeping import Wishes, keep
-from palpate.server.uploading.previews import Preview, holder_of
+from palpate.server.uploading.previews import MOST_OF_ACCOUNT, Preview, holder_of
 from palpate.server.uploading.reading import read
 from palpate.server.uploading.saving import save
 from palpate.server.uploading.showing import shown_of
@@ -47,7 +47,16 @@ def form(request: Request, who: Owner) -> HTMLResponse:
 def _form(request: Request, given: dict[str, str], fault: str | None) -> HTMLResponse:
     largest = state_of(request).settings.largest_upload_bytes
     status = 200 if fault is None else 422
-    return page(request, "upload.html", status, given=given, fault=fault, largest=largest, most_files=MOST_FILES)
+    return page(
+        request,
+        "upload.html",
+        status,
+        given=given,
+        fault=fault,
+        largest=largest,
+        most_files=MOST_FILES,
+        waiting=MOST_OF_ACCOUNT,
+    )
 
 
 @router.post("")
@@ -84,7 +93,9 @@ def _preview(request: Request, who: Owner, id: str) -> Preview:
     found = state_of(request).previews.get(id, holder_of(request, who))
     if found is None:
         raise problem(
-            404, "there is no upload that waits here: it was kept or cancelled, its time is over, or it is not yours"
+            404,
+            "there is no upload that waits here: it was kept or cancelled, its time is over, newer ones took its place,"
+            " or it is not yours",
         )
     return found
 
@@ -122,6 +133,7 @@ def preview(request: Request, store: StoreOf, who: Owner, waiting: Waiting) -> H
         request,
         "preview.html",
         preview=waiting,
+        waiting=MOST_OF_ACCOUNT,
         items=items,
         new=new,
         known=sum(one.known is not None for one in items),

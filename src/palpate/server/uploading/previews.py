@@ -23,7 +23,7 @@ from fastapi import Request
 from palpate.server.security.accounts import Account
 from palpate.server.security.who import COOKIE, SESSION
 
-__all__ = ["Preview", "Previews", "holder_of"]
+__all__ = ["MOST_OF_ACCOUNT", "Preview", "Previews", "holder_of"]
 
 ID = re.compile("[A-Za-z0-9_-]{43}")
 ABOUT, TASK, FOUND = "about.json", "task.json", "found.json"
@@ -69,6 +69,12 @@ class Preview:
         """The large bytes of that store."""
         return self.folder / "blobs"
 
+    @property
+    def dropped(self) -> int:
+        """How many older ones of the account were dropped to make room for it."""
+        about = json.loads((self.folder / ABOUT).read_text(encoding="utf-8"))
+        return int(about.get("dropped", 0))
+
     def found(self) -> list[dict[str, Any]]:
         """What became of each item when it was read."""
         plain: list[dict[str, Any]] = json.loads((self.folder / FOUND).read_text(encoding="utf-8"))
@@ -109,14 +115,15 @@ class Previews:
         self.sweep()
         waiting = self._waiting()
         own = sorted((about["expires"], id) for id, about in waiting.items() if about["account"] == account)
-        for _, id in own[: max(0, len(own) - MOST_OF_ACCOUNT + 1)]:
+        oldest = own[: max(0, len(own) - MOST_OF_ACCOUNT + 1)]
+        for _, id in oldest:
             self.drop(id)
         if len(waiting) >= MOST:
             return None
         made = Preview(secrets.token_urlsafe(32), Path())
         made = Preview(made.id, self.root / made.id)
         made.sent.mkdir(parents=True, mode=0o700)
-        about = {"holder": holder, "account": account, "expires": time.time() + HOLDS_S}
+        about = {"holder": holder, "account": account, "expires": time.time() + HOLDS_S, "dropped": len(oldest)}
         (made.folder / ABOUT).write_text(json.dumps(about), encoding="utf-8")
         return made
 
