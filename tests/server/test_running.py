@@ -2,6 +2,9 @@
 
 import json
 import signal
+import socket
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 from urllib.error import HTTPError
@@ -19,6 +22,17 @@ from palpate.store.opening import open_store
 from palpate.store.records import ThingRef
 from tests.server.serving import served
 from tests.store.made_up import squeeze
+
+
+def test_a_port_in_use_is_told_before_anything_else(tmp_path: Path) -> None:
+    """By a sentence, with no address and no key that would lead to the other program, and without making a store."""
+    place = tmp_path / "store.sqlite"
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = str(other.getsockname()[1])
+        command = [sys.executable, "-m", "palpate", "serve", "--store", str(place), "--port", port]
+        found = subprocess.run(command, check=False, capture_output=True, text=True, timeout=60)
+    assert (found.returncode, found.stdout, place.exists()) == (2, "", False)
+    assert f"--port: {port} is in use by another program" in found.stderr
 
 
 @pytest.mark.parametrize("workers", ["1", "2"])

@@ -44,6 +44,7 @@ def serve(
 
     address, reached = where.address(), where.reached()
     alone = address.is_local and where.public is None
+    address.check_free()
     ready_store(place, example=example, signed_urls=signed_urls)
     settings = Settings(
         place.place,

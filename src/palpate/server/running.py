@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import secrets
+import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -64,6 +66,20 @@ class Address:
         """For people."""
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"http://{host}:{self.port}"
+
+    def check_free(self) -> None:
+        """Refuse where another program listens, or nobody can; raises `palpate.errors.PalpateError`."""
+        try:
+            family, kind, protocol, _, found = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM)[0]
+            with socket.socket(family, kind, protocol) as tried:
+                # as the server does, which need not wait for connections that have ended
+                tried.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+                tried.bind(found)
+        except OSError as error:
+            if error.errno == errno.EADDRINUSE:
+                told = f"--port: {self.port} is in use by another program, expected a free one such as {self.port + 1}"
+                raise PalpateError(told) from None
+            raise PalpateError(f"--host, --port: cannot listen at {self.url} ({error.strerror})") from None
 
 
 @dataclass(frozen=True)
