@@ -68,6 +68,20 @@ def test_who_must_log_in_is_led_there_and_back(client: TestClient, store: Store)
         assert (found.status_code, found.headers["location"]) == (303, expected)
 
 
+def test_who_is_logged_in_by_password_is_not_told_of_tokens(client: TestClient, store: Store) -> None:
+    """Nor how the server takes an address apart."""
+    add_user(store, "ann", Role.READER)
+    set_password(store, "ann", PASSWORD)
+    assert log_in(client) == 303
+    page = {"Accept": "text/html"}
+    refused = client.get("/upload", headers=page)
+    assert (refused.status_code, "your account is that of a reader" in refused.text) == (403, True)
+    assert "token" not in refused.text
+    odd = client.get("/recordings?pages=2", headers=page)
+    assert (odd.status_code, "pages: is not known here" in odd.text) == (422, True)
+    assert "query." not in odd.text
+
+
 def test_cookies_are_kept_from_scripts_and_other_sites(store: Store) -> None:
     """And over TLS from connections without it."""
     add_user(store, "ann", Role.OWNER)

@@ -136,9 +136,16 @@ async def _http(request: Request, error: Any) -> Response:
 
 
 async def _invalid(request: Request, error: Any) -> Response:
-    errors = [{"field": _path(one["loc"]), "detail": str(one["msg"])} for one in error.errors()]
+    errors = [{"field": _path(one["loc"]), "detail": _said(one)} for one in error.errors()]
+    if _is_page(request):
+        # who reads a page asks by its address or a form, and needs not know how the server takes that apart
+        errors = [{**one, "field": one["field"].partition(".")[2] or one["field"]} for one in errors]
     told = "; ".join(f"{one['field']}: {one['detail']}" for one in errors[:3])
     return _answer(request, problem(422, told, errors))
+
+
+def _said(error: Mapping[str, Any]) -> str:
+    return "is not known here, leave it out" if error["type"] == "extra_forbidden" else str(error["msg"])
 
 
 def _path(places: Sequence[str | int]) -> str:

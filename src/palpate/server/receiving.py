@@ -97,7 +97,7 @@ def check_owner(recording: Recording | StoredEpisode, who: Account) -> None:
     What states no owner is seen, where it is private, by who has sent it.
     """
     if who.role < Role.ADMIN and recording.owner not in (None, who.name):
-        raise StoreError(f"owner: found {recording.owner!r}, expected {who.name!r}, whose token this is")
+        raise StoreError(f"owner: found {recording.owner!r}, expected {who.name!r}, in whose name this is sent")
 
 
 def check_parts(package: IO[bytes]) -> None:

@@ -62,7 +62,8 @@ def needs(role: Role) -> Callable[..., Awaitable[Account]]:
                 401, "a token is needed: send 'Authorization: Bearer ...'", headers={"WWW-Authenticate": "Bearer"}
             )
         if who.role < role:
-            raise problem(403, f"this token is for a {who.role.name.lower()}, expected {role.name.lower()} or more")
+            by = "this token is for" if "authorization" in request.headers else "your account is that of"
+            raise problem(403, f"{by} a {who.role.name.lower()}, expected {role.name.lower()} or more")
         return who
 
     return checked
