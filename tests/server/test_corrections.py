@@ -178,3 +178,26 @@ def test_by_forms(client: TestClient, store: Store) -> None:
     assert client.patch(f"{API}/lab/cup", json={"maker": "x"}, headers=foreign).status_code == 403
     assert client.patch(f"{API}/lab/cup", json={"maker": "x"}, headers={"Cookie": host["Cookie"]}).status_code == 403
     assert client.patch(f"{API}/lab/cup", json={"maker": "x"}, headers=host).status_code == 200
+
+
+def test_a_page_tells_what_would_be_taken_back(client: TestClient, token: Token) -> None:
+    """Each change with what was there before; the button tells which one is the last that holds, and whose it was."""
+    host = {"Cookie": f'palpate-key="{KEY}"', "Origin": "http://testserver"}
+    bob, dora = token("bob", Role.CURATOR), token("dora", Role.CURATOR)
+
+    def page() -> str:
+        return client.get("/objects/lab/cup/edit", headers=host).text
+
+    assert "Take back" not in page()
+    client.patch(f"{API}/lab/cup", json={"common_name": "<cup>"}, headers=bob)
+    client.patch(f"{API}/lab/cup", json={"common_name": "blue cup"}, headers=bob)
+    client.post(f"{API}/lab/cup/merge", json={"dataset": "lab", "name": "mug"}, headers=dora)
+    assert re.search(r"It takes back: merged by dora, [^<]*: into lab/mug\.", page())
+    client.post(f"{API}/lab/cup/split", headers=dora)
+    assert re.search(r"It takes back: changed by bob, [^<]*: common name: &lt;cup&gt; became blue cup\.", page())
+    client.put(f"{API}/lab/cup/known", json={"entry": MASS, "source": "our scale"}, headers=dora)
+    assert "changed by dora: known, mass, our scale: nothing became 118 ± 1 g</li>" in page()
+    for _ in range(3):
+        client.post(f"{API}/lab/cup/undo", headers=dora)
+    assert "It takes back" not in page()
+    assert 'value="undo"' not in page()

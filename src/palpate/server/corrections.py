@@ -13,7 +13,7 @@ from typing import Any
 from palpate.server.plausible import check_plausible
 from palpate.server.problems import problem
 from palpate.server.security.accounts import Account, Role
-from palpate.store.audit import ADDED, CHANGED, MERGED, Change, history
+from palpate.store.audit import ADDED, CHANGED, MERGED, UNDOABLE, Change, history
 from palpate.store.describing import change_thing
 from palpate.store.entries import Entry
 from palpate.store.merging import merge_things, split_thing
@@ -84,6 +84,11 @@ class Corrections:
         """Who changed what, the last first."""
         self._check(self.thing.ref)
         return [one for one in reversed(history(self.store, self.thing.ref)) if one.what in TOLD]
+
+    def last(self) -> Change | None:
+        """The last change that holds, which `undo` takes back."""
+        holds = (one for one in self.history() if one.what in UNDOABLE and one.undone_at is None)
+        return next(holds, None)
 
     def _check(self, thing: ThingRef) -> None:
         if not may_change(self.store, self.who, thing):

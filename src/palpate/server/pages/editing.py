@@ -54,8 +54,8 @@ async def change(request: Request, store: StoreOf, who: Owner, thing: SeenThing)
 
 def _page(request: Request, corrections: Corrections, given: Fields, fault: str | None) -> HTMLResponse:
     status, thing = 200 if fault is None else 422, corrections.thing
-    history = corrections.history()[:30]
-    return page(request, "edit.html", status, thing=thing, history=history, given=given, fault=fault)
+    told = {"history": corrections.history()[:30], "last": corrections.last()}
+    return page(request, "edit.html", status, None, thing=thing, given=given, fault=fault, **told)
 
 
 def _describe(corrections: Corrections, fields: Fields) -> None:

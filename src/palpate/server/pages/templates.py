@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from datetime import UTC, datetime
-from functools import lru_cache
+from functools import lru_cache, partial
 from hashlib import sha256
 from pathlib import Path
 from secrets import token_urlsafe
@@ -18,6 +18,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from palpate import __version__
 from palpate.server.names import thing_address
 from palpate.server.pages.bundles import bokeh_address
+from palpate.server.pages.changes import change_text
 from palpate.server.plots.drawing import number
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.headers import policy
@@ -58,6 +59,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     found.filters |= {"number": number, "day": _day, "moment": _moment, "entry": entry_text, "plural": _plural}
+    found.filters["change"] = partial(change_text, entry_text=entry_text)
     found.filters |= {"grasp": grasp_text, "maybe": _maybe}
     found.globals |= {"thing_url": _thing_url, "asset": _asset, "version": __version__, "with_query": _with_query}
     found.globals |= {"search": search, "bokeh_address": bokeh_address, "now": _now}
