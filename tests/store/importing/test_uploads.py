@@ -119,6 +119,34 @@ def test_files_beside_it_are_kept(tmp_path: Path) -> None:
     assert any("'b.png', is not there" in notice for notice in found.notices)
 
 
+@pytest.mark.parametrize("name", ["C:\\lab\\data\\img_cam1.png", "/home/lab/data/img_cam1.png"])
+def test_a_picture_of_another_computer_is_the_one_beside_it(local: Store, tmp_path: Path, name: str) -> None:
+    """Where a path leads on the computer that wrote it says nothing here; a file of its name beside it does."""
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    (folder / "img_cam1.png").write_bytes(b"picture")
+    upload(folder, "cat-vision_0", labels("cat-vision", mug=1.0), {"eye": {"image": name}})
+    (done,) = import_paths(local, [folder], [UploadDictionaries()])
+    assert done.fate is Fate.NEW
+    assert done.recording is not None
+    assert [item.name for item in done.recording.files] == ["eye/image.png", "entry.json"]
+    assert not any("refused" in notice for notice in done.recording.notices)
+    assert any("'img_cam1.png', is the one beside it" in notice for notice in done.recording.notices)
+
+
+def test_a_link_beside_it_is_no_file_of_another_computer(tmp_path: Path) -> None:
+    """What lies beside it counts only where it is inside the folder, and a relative path is as it says."""
+    (tmp_path / "secret.png").write_bytes(b"secret")
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    (folder / "img.png").symlink_to(tmp_path / "secret.png")
+    (folder / "own.png").write_bytes(b"own")
+    outputs = {"eye": {"image": "C:\\lab\\img.png", "other": "../own.png", "third": "C:\\"}}
+    found = read_upload(upload(folder, "cat-vision_0", labels("cat-vision", mug=1.0), outputs))
+    assert [item.name for item in found.files] == ["entry.json"]
+    assert sum("is refused" in notice for notice in found.notices) == 3
+
+
 def test_an_import_can_be_run_again(local: Store, tmp_path: Path) -> None:
     """The second import finds everything there; ids and digests are the same."""
     upload(tmp_path, "elasticity_0", number("elasticity", mean=42.0, std=4.5, units="kPa"), GRIP)

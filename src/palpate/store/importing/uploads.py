@@ -124,16 +124,23 @@ def _moment(dictionary: UploadDictionary, notices: list[str]) -> datetime:
 def _file(dictionary: UploadDictionary, channel: str, name: str, notices: list[str]) -> FileItem | None:
     """The file of a signal where it is in the dictionary's folder; otherwise what is wrong is noticed."""
     # the folders are another computer's; Windows' rules split both kinds of path
-    short = PureWindowsPath(name).name
+    short, folder = PureWindowsPath(name).name, Path(dictionary.file).parent
     try:
-        path = inside(Path(dictionary.file).parent, name, channel)
+        if PureWindowsPath(name).root and (beside := inside(folder, short, channel)).is_file():
+            notices.append(f"the file of {channel}, {short!r}, is the one beside it: its path is another computer's")
+            return FileItem(_name_of(channel, beside), media_type_of(beside.name), beside)
+        path = inside(folder, name, channel)
     except StoreError:
         notices.append(f"the file of {channel}, {short!r}, is refused: its path leads out of the dictionary's folder")
         return None
     if not path.is_file():
         notices.append(f"the file of {channel}, {short!r}, is not there")
         return None
-    return FileItem(f"{channel.replace('.', '/')}{path.suffix}", media_type_of(path.name), path)
+    return FileItem(_name_of(channel, path), media_type_of(path.name), path)
+
+
+def _name_of(channel: str, path: Path) -> str:
+    return f"{channel.replace('.', '/')}{path.suffix}"
 
 
 def _original(dictionary: UploadDictionary) -> FileItem:
