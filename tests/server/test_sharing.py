@@ -1,5 +1,6 @@
 """Who may see what is there already, set later: by those who may, noted, and reversible; by pages as by the service."""
 
+import re
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from typing import Any
@@ -160,6 +161,18 @@ def test_a_page_shares_too(client: TestClient, store: Store, token: Token) -> No
     assert by_form(client, address, bob, do="share", visibility="public", until="") == 404
     assert by_form(client, f"{EPISODES}/{EXPLORED.id}", ann, do="share", visibility="public", until="") == 303
     assert is_seen(client, f"{EPISODES}/{EXPLORED.id}")
+
+
+def test_a_page_tells_what_an_embargo_was_before(client: TestClient, token: Token) -> None:
+    """Both sides of a change say until when it was, or is, kept back."""
+    ann, address = token("ann"), f"{RECORDINGS}/{OWNED.id}"
+    for until in ("2098-01-02T03:04:00Z", "2099-01-02T03:04:00Z", None):
+        body = {"visibility": "public", "embargoed_until": until}
+        assert client.patch(address, json=body, headers=ann).status_code == 200
+    page = client.get(f"/recordings/{OWNED.id}", headers=ann).text
+    told = re.findall(r"ann: (public[^<]*?) became (public[^<]*?)</li>", page)
+    years = [tuple(re.findall(r"not before (\d{4})", side) for side in sides) for sides in told]
+    assert years[:2] == [(["2099"], []), (["2098"], ["2099"])]
 
 
 def test_another_site_shares_nothing(client: TestClient) -> None:

@@ -210,6 +210,16 @@ def test_a_page_elsewhere_uploads_and_keeps_nothing(ann: TestClient, store: Stor
     assert ann.get(address).status_code == 200
 
 
+def test_what_should_be_json_and_is_none_is_told(ann: TestClient) -> None:
+    """Without JavaScript too one learns what is broken, and what is JSON of nothing known is told as before."""
+    _, text = send(ann, {"broken.json": b'{"a": 1,}', "bytes.JSON": b"\xff\xfe\x00", "fine.json": b'{"a": NaN}'})
+    reasons = fates(text)
+    assert "is no JSON: " in reasons["broken.json"]
+    assert "line 1" in reasons["broken.json"]
+    assert "is no JSON: " in reasons["bytes.JSON"]
+    assert reasons["fine.json"] == "of no format that palpate knows"
+
+
 def test_bombs_and_names_that_lead_elsewhere_are_refused(ann: TestClient, tmp_path: Path) -> None:
     """The others of the upload are still shown, and nothing lies outside the folder of the preview."""
     deep = json.dumps(UPLOADED).replace("null", "[" * 100_000 + "]" * 100_000).encode()

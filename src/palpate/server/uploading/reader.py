@@ -25,6 +25,7 @@ from palpate.store.importing.bags import format
 from palpate.store.importing.bags.reading_topics import read_topic_map
 from palpate.store.importing.bags.topics import TopicMap
 from palpate.store.importing.columns import ColumnMap
+from palpate.store.importing.finding import UNKNOWN
 from palpate.store.importing.formats import all_formats
 from palpate.store.importing.intake import import_paths
 from palpate.store.importing.items import Fate, Format, Item, Outcome
@@ -105,7 +106,18 @@ def _read_all(preview: Preview, task: dict[str, Any]) -> Iterator[Outcome]:
             if count >= MOST_ITEMS:
                 yield Outcome("more", Fate.REFUSED, f"more than {MOST_ITEMS} items, expected fewer in one upload")
                 return
-            yield outcome
+            yield _looked_into(outcome)
+
+
+def _looked_into(outcome: Outcome) -> Outcome:
+    """The same, and of a JSON file that nothing could be made of whether it is any."""
+    if outcome.reason != UNKNOWN or not outcome.source.lower().endswith(".json"):
+        return outcome
+    try:
+        json.loads(Path(outcome.source).read_bytes())
+    except (ValueError, RecursionError) as error:
+        return Outcome(outcome.source, outcome.fate, f"is no JSON: {error}")
+    return outcome
 
 
 def _plain(outcome: Outcome, hidden: str) -> dict[str, Any]:
