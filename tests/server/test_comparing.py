@@ -56,3 +56,17 @@ def test_of_more_than_eight_eight_are_drawn_and_all_stay_ticked(client: TestClie
             f"/compare?property=mass&object=lab/cup&{asked.rpartition('&recording')[0].rpartition('&recording')[0]}"
         ).text
     )
+
+
+def test_what_is_not_there_to_compare_is_said(client: TestClient, store: Store) -> None:
+    """An object without values, a property that nobody measured, and a store without any."""
+    nothing = "Nothing with a number and a unit was measured yet."
+    assert nothing in client.get("/compare?property=nope").text
+    store.put(measured(1, "left"))
+    page = client.get("/compare?property=mass&object=x/y").text
+    assert "No mass of x/y with a number and a unit was measured that you may see: these are all objects." in page
+    assert ">cup</a>" in page
+    page = client.get("/compare?property=nope").text
+    assert "No nope with a number and a unit was measured that you may see." in page
+    assert nothing not in page
+    assert "No mass of" not in client.get("/compare?property=mass&object=lab/cup").text
