@@ -5,7 +5,7 @@ import re
 from fastapi.testclient import TestClient
 
 from palpate.store.describing import change_thing
-from palpate.store.entries import Value
+from palpate.store.entries import Bound, Entry, FailedEntry, Interval, Value
 from palpate.store.records import Device, Recording, Setup, ThingRef
 from palpate.store.store import Store
 from tests.store.made_up import squeeze
@@ -13,10 +13,12 @@ from tests.store.made_up import squeeze
 CUP = ThingRef("lab", "cup")
 
 
-def measured(number: int, gripper: str) -> Recording:
+WEIGHED = Value("mass", 12.0, 1.0, "g")
+
+
+def measured(number: int, gripper: str, thing: ThingRef = CUP, entry: Entry = WEIGHED) -> Recording:
     setup = Setup(gripper=Device("gripper", gripper))
-    entries = (Value("mass", 12.0, 1.0, "g"),)
-    return squeeze(number, visibility="public", thing=CUP, setup=setup, entries=entries)
+    return squeeze(number, visibility="public", thing=thing, setup=setup, entries=(entry,))
 
 
 def test_a_device_has_one_colour_on_a_page(client: TestClient, store: Store) -> None:
@@ -70,3 +72,41 @@ def test_what_is_not_there_to_compare_is_said(client: TestClient, store: Store) 
     assert "No nope with a number and a unit was measured that you may see." in page
     assert nothing not in page
     assert "No mass of" not in client.get("/compare?property=mass&object=lab/cup").text
+
+
+def test_of_one_value_no_spread_is_told(client: TestClient, store: Store) -> None:
+    """An SD that is not known is none of 0; and one is one."""
+    store.put(measured(1, "left"))
+    change_thing(store, CUP, lambda thing: thing.knowing(Value("mass", 10.0, unit="g"), "a scale"))
+    page = client.get("/compare?property=mass").text
+    assert "left: 2 g, n = 1" in page
+    assert "errors of 1 device in mass" in page
+    assert "1 value by 1 device<" in client.get("/objects/lab/cup").text
+    store.put(measured(2, "left"))
+    assert "left: 2 ± 0 g, n = 2" in client.get("/compare?property=mass").text
+
+
+def test_bounds_are_told_with_their_numbers(client: TestClient, store: Store) -> None:
+    """Those that read alike together; in the unit of the property."""
+    bounds = [
+        Bound("mass", above=20.0, unit="g"),
+        Bound("mass", above=0.02, unit="kg"),
+        Bound("mass", below=9, unit="g"),
+    ]
+    others: list[Entry] = [*bounds, Interval("mass", 3.0, 4.0, "g"), FailedEntry("slipped", "mass")]
+    store.put_many([measured(number, "left", entry=one) for number, one in enumerate(others)])
+    page = client.get("/objects/lab/cup").text
+    assert "5 other results:" in page
+    assert ">above 20 g</a> (2 times)," in page
+    for words in ("below 9 g", "3 to 4 g", "failed"):
+        assert f">{words}</a>" in page
+    assert ">above 20 g</a></li>" in client.get("/compare?property=mass&object=lab/cup").text
+
+
+def test_the_first_page_shows_what_was_measured_before_what_was_simulated(client: TestClient, store: Store) -> None:
+    """One real object comes first, though its data set comes last; the others fill the row."""
+    refs = [*(ThingRef("simulated", f"thing{number}") for number in range(6)), ThingRef("ycb", "mug")]
+    store.put_many([measured(number, "left", ref) for number, ref in enumerate(refs)])
+    cards = client.get("/").text.partition('class="cards"')[2].partition("</ul>")[0].split('class="card"')[1:]
+    assert len(cards) == 5
+    assert ["simulated" in card for card in cards] == [False, True, True, True, True]

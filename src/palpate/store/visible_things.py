@@ -42,6 +42,8 @@ class ThingFilter:
         A part of dataset, name, common name, maker or an alias, in any case.
     dataset
         As recorded.
+    in_none_of
+        Data sets that it is not of.
     known
         What the object is known to be, as pairs of property and label.
     action, property, gripper
@@ -50,6 +52,7 @@ class ThingFilter:
 
     text: str | None = None
     dataset: str | None = None
+    in_none_of: Sequence[str] = ()
     known: Sequence[tuple[str, str]] = ()
     action: str | None = None
     property: str | None = None
@@ -67,6 +70,8 @@ class ThingFilter:
             yield or_(held, said & viewer.knows_word(self.text))
         if self.dataset is not None:
             yield columns.dataset == self.dataset
+        if self.in_none_of:
+            yield columns.dataset.not_in(self.in_none_of)
         for name, label in self.known:
             yield columns.id.in_(known_things(viewer, name, label))
         measured = list(self._measured(viewer))

@@ -19,13 +19,18 @@ from palpate.server.state import state_of
 from palpate.store.counting import counted
 from palpate.store.listing import list_recordings
 from palpate.store.listing_episodes import list_episodes
-from palpate.store.viewing import VisibleFilter
+from palpate.store.store import Store
+from palpate.store.things import Thing
+from palpate.store.viewing import Viewer, VisibleFilter
 from palpate.store.visible_setups import seen_properties
-from palpate.store.visible_things import list_visible_things
+from palpate.store.visible_things import ThingFilter, list_visible_things
 
 __all__ = ["router"]
 
 router = APIRouter()
+CARDS = 5
+SIMULATED = ("simulated", "simulated-bench")
+"""The data sets of which a page says that they are simulated."""
 
 
 @router.get("/")
@@ -37,12 +42,20 @@ def home(request: Request, store: StoreOf, who: Who) -> HTMLResponse:
         "home.html",
         who=who,
         counts=counted(store, viewer),
-        things=list_visible_things(store, viewer, limit=5).rows,
+        things=_some_things(store, viewer),
         recordings=list_recordings(store, VisibleFilter(viewer=viewer), limit=8).rows,
         episodes=list_episodes(store, viewer=viewer, limit=4).rows,
         properties=seen_properties(store, viewer),
         may_fill=who.role is Role.ADMIN,
     )
+
+
+def _some_things(store: Store, viewer: Viewer) -> list[Thing]:
+    """A few objects, those that were not simulated first."""
+    real = list_visible_things(store, viewer, ThingFilter(in_none_of=SIMULATED), limit=CARDS).rows
+    every = list_visible_things(store, viewer, limit=CARDS).rows
+    paths = {one.path for one in real}
+    return [*real, *(one for one in every if one.path not in paths)][:CARDS]
 
 
 @router.get("/enter")

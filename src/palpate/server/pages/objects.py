@@ -16,6 +16,7 @@ from palpate.server.api.parameters import SeenThing, StoreOf
 from palpate.server.api.queries import ObjectQuery, Text
 from palpate.server.corrections import may_change
 from palpate.server.names import thing_address
+from palpate.server.pages.others import Alike, alike
 from palpate.server.pages.shown import Dark, Shown, figure, shown
 from palpate.server.pages.templates import page
 from palpate.server.plots.final_beliefs import beliefs_plot
@@ -68,7 +69,8 @@ class About:
     name: str
     plot: Shown | None
     labels: Sequence[tuple[str, int]]
-    others: Sequence[Result]
+    others: Sequence[Alike]
+    others_count: int
     count: int
 
 
@@ -123,7 +125,7 @@ def _about(name: str, results: Sequence[Result], thing: Thing) -> About:
     labels = Counter(result.label for result in own if result.label is not None)
     others = [result for result in own if result.value is None and result.label is None]
     plot = shown(_points(name, own, thing), _figure(thing, "plot", name))
-    return About(name, plot, labels.most_common(), others, len(own))
+    return About(name, plot, labels.most_common(), alike(others), len(others), len(own))
 
 
 def _points(name: str, own: Sequence[Result], thing: Thing) -> Plot | None:

@@ -14,10 +14,11 @@ from fastapi.responses import Response
 from pydantic import Field
 
 from palpate.server.api.parameters import StoreOf
+from palpate.server.pages.others import in_words
 from palpate.server.pages.shown import Dark, Shown, figure, shown
 from palpate.server.pages.signals import LARGEST_PLOTTED, found_squeeze
 from palpate.server.plots.curves import channel_plot
-from palpate.server.plots.drawing import COLOURS, number
+from palpate.server.plots.drawing import COLOURS
 from palpate.server.plots.overlays import Laid, Overlay, overlay
 from palpate.server.security.who import Who
 from palpate.store.parts import Head, head_of, series_of
@@ -74,7 +75,7 @@ def choices_of(results: Sequence[Result], chosen: Sequence[UUID], devices: Seque
         Choice(
             recording=one.recording,
             name=_name(one),
-            value=_value(one),
+            value=in_words(one),
             colour=colours[one.measured_by] if one.recording in drawn else None,
             ticked=one.recording in wanted,
         )
@@ -85,10 +86,6 @@ def choices_of(results: Sequence[Result], chosen: Sequence[UUID], devices: Seque
 
 def _name(one: Result) -> str:
     return f"{one.measured_by}, {one.recorded_at:%Y-%m-%d %H:%M}"
-
-
-def _value(one: Result) -> str:
-    return one.kind if one.value is None else f"{number(one.value)} {one.unit}"
 
 
 def laid_over(store: Store, viewer: Viewer, colours: Mapping[UUID, int]) -> tuple[Shown | None, Overlay]:

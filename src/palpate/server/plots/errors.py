@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from palpate.errors import plural
 from palpate.server.benchmark import Agreement, Cell
 from palpate.server.names import thing_address
 from palpate.server.plots.drawing import number
@@ -28,7 +29,7 @@ def errors_plot(found: Agreement, device: str | None = None) -> Plot | None:
         for cell in cells
         if (cell.dataset, cell.thing) in rows
     ]
-    whose = f"{len(devices)} devices" if device is None else device
+    whose = plural(len(devices), "device") if device is None else device
     return Plot(
         title=f"errors of {whose} in {found.property} [{found.unit}]",
         across=f"measured - true {found.property} [{found.unit}]",
@@ -41,7 +42,9 @@ def errors_plot(found: Agreement, device: str | None = None) -> Plot | None:
 def _point(found: Agreement, cell: Cell, row: Row, devices: list[str]) -> Point:
     place = devices.index(cell.device)
     error, sd = cell.error or 0.0, cell.sd or 0.0
-    told = f"{cell.device}: {number(error)} ± {number(sd)} {found.unit}, n = {cell.count}"
+    # of one value no SD is known, which is not one of 0
+    spread = "" if cell.sd is None else f" ± {number(sd)}"
+    told = f"{cell.device}: {number(error)}{spread} {found.unit}, n = {cell.count}"
     y = row.top + ROW * (place + 1) / (len(devices) + 1)
     link = f"/objects/{thing_address(ThingRef(cell.dataset, cell.thing))}"
     return Point(error, y, error - sd, error + sd, told, link, place)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
+from palpate.errors import plural
 from palpate.server.plots.drawing import number
 from palpate.server.plots.plot import Level, Plot, Point, Row
 from palpate.store.final_beliefs import FinalBelief
@@ -64,7 +65,7 @@ def _rows(
         rows.append(Row(f"{one.started_at:%Y-%m-%d %H:%M}", f"{one.actions} actions", top, top + ROW))
         points.append(Point(end.middle, top + ROW / 2, end.low, end.high, end.told, f"/episodes/{one.episode}"))
     return Plot(
-        title=f"{property}: what {len(ends)} explorations believed at last",
+        title=f"{property}: what {plural(len(ends), 'exploration')} believed at last",
         across=across,
         rows=tuple(rows),
         points=tuple(points),

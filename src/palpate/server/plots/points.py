@@ -8,6 +8,7 @@ from statistics import fmean
 
 import numpy as np
 
+from palpate.errors import plural
 from palpate.server.plots.drawing import number
 from palpate.server.plots.plot import Curve, Level, Look, Plot, Point, Row
 from palpate.server.plots.svg import short
@@ -50,7 +51,7 @@ def points_plot(property: str, results: Sequence[Result], truths: Sequence[tuple
         means.append(Curve(np.full(2, mean), stretch, name, colour, Look.MEAN))
         top = bottom
     return Plot(
-        title=f"{property} [{unit}]: {count} values by {len(groups)} devices",
+        title=f"{property} [{unit}]: {plural(count, 'value')} by {plural(len(groups), 'device')}",
         across=f"{property} [{unit}]",
         rows=tuple(rows),
         points=tuple(points),

@@ -1,0 +1,41 @@
+"""Results that are no values and no labels, in words: bounds, intervals, failures; those that read alike together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from uuid import UUID
+
+from palpate.server.plots.drawing import number
+from palpate.store.visible_results import Result
+
+__all__ = ["Alike", "alike", "in_words"]
+
+
+@dataclass(frozen=True)
+class Alike:
+    """How many results read so, and the recording of the first of them."""
+
+    words: str
+    count: int
+    recording: UUID
+
+
+def alike(results: Iterable[Result]) -> list[Alike]:
+    """Results by what they read, the most frequent first."""
+    groups: dict[str, list[UUID]] = {}
+    for one in results:
+        groups.setdefault(in_words(one), []).append(one.recording)
+    found = [Alike(words, len(recordings), recordings[0]) for words, recordings in groups.items()]
+    return sorted(found, key=lambda one: -one.count)
+
+
+def in_words(one: Result) -> str:
+    """A result in the unit of its property; its kind, where it has no number in it."""
+    if one.value is not None:
+        return f"{number(one.value)} {one.unit}"
+    if one.low is not None and one.high is not None:
+        return f"{number(one.low)} to {number(one.high)} {one.unit}"
+    if one.low is not None:
+        return f"above {number(one.low)} {one.unit}"
+    return one.kind if one.high is None else f"below {number(one.high)} {one.unit}"
