@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import MISSING, fields
+from functools import partial
 from typing import Any
 
 from palpate.errors import choices
@@ -116,10 +117,10 @@ def _pose(where: str, plain: Any) -> dict[str, Any] | None:
     return {"quaternion": None, "frame": "base", "original": {}, **_of_class(where, plain, Pose)}
 
 
-WHOLE = {
+WHOLE: Mapping[str, Callable[[Any], Any]] = {
     "thing": _thing,
     "setup": _setup,
     "entries": _entries,
-    "gripper_pose": lambda plain: _pose("gripper_pose", plain),
-    "object_pose": lambda plain: _pose("object_pose", plain),
+    "gripper_pose": partial(_pose, "gripper_pose"),
+    "object_pose": partial(_pose, "object_pose"),
 }
