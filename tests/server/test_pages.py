@@ -164,3 +164,16 @@ def test_errors_are_pages_for_people(client: TestClient) -> None:
 def test_results_in_words(entry: object, expected: str) -> None:
     """Each kind of result reads as what it is."""
     assert entry_text(entry) == expected  # type: ignore[arg-type]
+
+
+def test_long_names_and_those_that_turn_round_stay_in_their_place(client: TestClient, store: Store) -> None:
+    """They are clipped, with the whole in a title, and what stands behind them reads as ever."""
+    turned, device = "\u202e" + "cup" * 1000, Device("gripper", "g" * 5000)
+    store.put(squeeze(7, thing=ThingRef("lab", turned), setup=Setup(gripper=device), visibility="public"))
+    for address in ("/objects", "/recordings"):
+        assert f'<bdi class="name" title="{turned}">{turned}</bdi>' in client.get(address).text
+    assert f'<bdi class="name" title="{device.name}">' in client.get("/devices").text
+    style = client.get("/objects").text.partition('rel="stylesheet" href="')[2].partition('"')[0]
+    (rule,) = re.findall(r"^\.name \{(.*)\}$", client.get(style).text, re.MULTILINE)
+    assert "unicode-bidi: isolate" in rule
+    assert "line-clamp: 3" in rule
