@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import cache
 
@@ -153,7 +154,7 @@ def test_closed_form_of_normal_property_and_sensor(sd: float, noise: float, mean
     marginal = number(belief, "height")
     assert marginal.mean == pytest.approx(weighted / precision, abs=1e-3 * s)
     assert marginal.sd == pytest.approx(s, rel=1e-3)
-    assert marginal.entropy_bits == pytest.approx(np.log2(s * np.sqrt(2 * np.pi * np.e)), abs=1e-3)
+    assert marginal.entropy_bits == pytest.approx(np.log2(s * np.sqrt(2 * np.pi * math.e)), abs=1e-3)
 
 
 SUBSETS = [

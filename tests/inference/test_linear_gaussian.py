@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -76,7 +77,7 @@ class Linear:
         cov = self.given[0][1]
         left = h @ cov @ h + sd**2 - (h @ cov @ direct) ** 2 / (direct @ cov @ direct)
         of_kind = whole - sum(w * entropy_bits(p, step) for w, p in zip(weight, parts, strict=True))
-        return of_kind, whole - 0.5 * np.log2(2 * np.pi * np.e * left)
+        return of_kind, whole - 0.5 * np.log2(2 * np.pi * math.e * left)
 
 
 def entropy_bits(density: Array, step: float) -> float:
