@@ -39,7 +39,8 @@ serve: $(VENV)/serve.stamp
 
 test: lint
 	@echo "== tests and examples"
-	@$(BIN)/python -m pytest -q -n 2 --dist loadgroup
+	@$(BIN)/python -m pytest -q -n 2 --dist loadfile -m "not alone"
+	@$(BIN)/python -m pytest -q -m alone tests
 	@$(MAKE) --no-print-directory docs
 
 lint: $(VENV)/dev.stamp

@@ -31,15 +31,6 @@ settings.register_profile("palpate", deadline=None, derandomize="CI" in os.envir
 settings.load_profile("palpate")
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """What runs one after the other where tests run in several processes: a file, and all that share a database."""
-    for item in items:
-        if item.get_closest_marker("xdist_group") is None:
-            group = "postgresql" if "postgresql" in item.nodeid else str(item.path)
-            item.add_marker(pytest.mark.xdist_group(group))
-
-
 def start_page(namespace: dict[str, Any]) -> None:
     namespace["_home"] = Path.cwd()
     namespace["_folder"] = TemporaryDirectory()

@@ -7,12 +7,26 @@ from urllib.request import Request, urlopen
 
 import obstore
 import pytest
+from sqlalchemy import create_engine, make_url, text
 
 from palpate.store.blobs import Blobs, FolderBlobs
 from palpate.store.bucket import BucketBlobs
 from palpate.store.database import connect
 
-POSTGRESQL = os.environ.get("PALPATE_TEST_POSTGRESQL")
+
+def own_database(place: str | None, process: str | None) -> str | None:
+    """The address of the database that tests of this process may empty: of several each has its own."""
+    if place is None or process is None:
+        return place
+    engine = create_engine(place, isolation_level="AUTOCOMMIT")
+    with engine.connect() as connection:
+        if connection.scalar(text("SELECT count(*) FROM pg_database WHERE datname = :name"), {"name": process}) == 0:
+            connection.execute(text(f"CREATE DATABASE {process}"))
+    engine.dispose()
+    return make_url(place).set(database=process).render_as_string(hide_password=False)
+
+
+POSTGRESQL = own_database(os.environ.get("PALPATE_TEST_POSTGRESQL"), os.environ.get("PYTEST_XDIST_WORKER"))
 """Address of a PostgreSQL database that the tests may empty."""
 S3 = os.environ.get("PALPATE_TEST_S3")
 """Address of an S3-compatible store that lets everybody make buckets."""

@@ -15,8 +15,6 @@ from palpate.store.verifying import verify
 from tests.store.made_up import squeeze
 from tests.store.places import check_services, emptied
 
-pytestmark = pytest.mark.xdist_group("postgresql")
-
 
 def test_a_store_is_made_on_first_use_and_stays(tmp_path: Path) -> None:
     """A store in a folder that is not there is made, with its blobs beside; what was put is there next time."""

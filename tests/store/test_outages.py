@@ -24,7 +24,7 @@ from palpate.store.verifying import verify
 from tests.store.made_up import squeeze
 from tests.store.places import check_services, emptied
 
-pytestmark = pytest.mark.xdist_group("postgresql")
+pytestmark = pytest.mark.alone
 
 RESTART = os.environ.get("PALPATE_TEST_POSTGRESQL_RESTART")
 """A command that restarts the PostgreSQL of the tests, and ends when it answers again."""

@@ -24,8 +24,6 @@ from palpate.store.verifying import verify
 from tests.store.made_up import squeeze
 from tests.store.places import check_services, emptied
 
-pytestmark = pytest.mark.xdist_group("postgresql")
-
 THINGS = ThingRef("made_up", "a"), ThingRef("made_up", "b")
 
 
