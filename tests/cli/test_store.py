@@ -151,7 +151,7 @@ def test_entries_in_words(entry: Entry, words: str) -> None:
 def test_every_command_is_there() -> None:
     """The group has its commands, and one object has its own."""
     commands = getattr(typer.main.get_command(command.app), "commands", {})
-    kept = {"show", "list", "verify", "repair", "export", "import", "units", "unit"}
+    kept = {"show", "list", "verify", "repair", "export", "import", "units", "unit", "share"}
     assert set(commands) == kept | {"table", "curves", "devices", "objects", "object", "episodes", "episode", "schema"}
     assert set(commands["object"].commands) == {"show", "add", "set", "know", "forget", "merge", "split", "undo"}
 

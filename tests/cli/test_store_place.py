@@ -31,6 +31,8 @@ def needing(command: Any, path: str = "palpate store") -> Iterator[tuple[str, li
 
 ALL = dict(needing(typer.main.get_command(app).commands["store"]))  # type: ignore[attr-defined]
 
+ALL["palpate store share"].extend(("--visibility", "public"))
+
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:

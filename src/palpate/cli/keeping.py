@@ -18,7 +18,6 @@ from palpate.robots.protocol import Robot
 if TYPE_CHECKING:
     from palpate.cli.preparing import Ready
     from palpate.cli.store_options import Place
-    from palpate.client import Receiver
     from palpate.recording import About
     from palpate.robots.recorded import RecordedRobot
     from palpate.store.records import Setup, ThingRef
@@ -98,16 +97,16 @@ def _posted(url: str, asked: Asked, ready: Ready) -> Iterator[Kept]:
         tell_left(episode.close(), client.url, robot.spool)
 
 
-def _recorded(asked: Asked, ready: Ready, receiver: Receiver | None) -> RecordedRobot:
+def _recorded(asked: Asked, ready: Ready, store: Store | None) -> RecordedRobot:
+    """The robot, each action of which is recorded: into a store that is here, or else to be sent."""
     from palpate.robots.recorded import RecordedRobot
-    from palpate.store.records import ThingRef
 
     origin = _origin(asked, ready)
     return RecordedRobot(
         ready.robot,
         ready.prior.network,
-        receiver,
-        thing=ThingRef(origin.dataset, ready.about.object or "unnamed"),
+        store,
+        thing=_known_thing(store, origin, ready),
         setup=origin.setup,
         about=origin.about,
         notices=[origin.notice],
@@ -125,8 +124,8 @@ class _Origin:
     is_simulated: bool = True
 
 
-def _known_thing(store: Store, origin: _Origin, ready: Ready) -> ThingRef:
-    """The object, of which the store knows what is true where it is simulated."""
+def _known_thing(store: Store | None, origin: _Origin, ready: Ready) -> ThingRef:
+    """The object, of which a store that is here knows what is true where it is simulated."""
     from palpate.cli.knowing import who_of
     from palpate.robots.simulated_truth import simulated_thing, tell_truth
     from palpate.store.records import ThingRef
@@ -134,7 +133,8 @@ def _known_thing(store: Store, origin: _Origin, ready: Ready) -> ThingRef:
     if ready.known is None or not origin.is_simulated:
         return ThingRef(origin.dataset, ready.about.object or "unnamed")
     thing = simulated_thing(origin.dataset, ready.known)
-    tell_truth(store, thing, ready.known, ready.prior.network, who=who_of(None))
+    if store is not None:
+        tell_truth(store, thing, ready.known, ready.prior.network, who=who_of(None))
     return thing
 
 
