@@ -3,6 +3,7 @@ import math
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -110,6 +111,10 @@ def entries_of(made: list[Recording]) -> Iterator[dict[str, Any]]:
             yield {**head, "action": recording.action, "object": recording.thing.id, **entry_of(entry)}
 
 
+def is_embargoed(recording: Recording) -> bool:
+    return recording.embargoed_until is not None and recording.embargoed_until > datetime.now(UTC)
+
+
 def recordings_of(made: list[Recording]) -> Iterator[dict[str, Any]]:
     for recording in made:
         pose, gripper = recording.object_pose, recording.setup.gripper
@@ -122,7 +127,8 @@ def recordings_of(made: list[Recording]) -> Iterator[dict[str, Any]]:
             "gripper": None if gripper is None else gripper.name,
             "owner": recording.owner,
             "licence": recording.licence,
-            "visibility": recording.visibility,
+            # until an embargo ends, others see nothing
+            "visibility": "private" if is_embargoed(recording) else recording.visibility,
             "ground_truth": recording.ground_truth,
             "object_position_m": None if pose is None else pose.translation_m,
             "object_quaternion": None if pose is None else pose.quaternion,
