@@ -20,7 +20,7 @@ from palpate.store.quantities import check_quantity
 from palpate.store.store import Store
 from palpate.store.units import units_of
 
-__all__ = ["KeptEpisode", "check_units", "read_stored_episode", "stored_record"]
+__all__ = ["KeptEpisode", "begun_episode", "check_units", "read_stored_episode", "stored_record"]
 
 
 class KeptEpisode:
@@ -58,13 +58,7 @@ class KeptEpisode:
         check_units(store, belief.network)
         self._store = store
         self._robot = robot
-        self.stored = StoredEpisode(
-            datetime.now(UTC),
-            robot.thing,
-            header_record(belief, about or About()),
-            owner=robot.about.owner,
-            visibility=robot.about.visibility,
-        )
+        self.stored = begun_episode(robot, belief, about)
         put_episode(store, self.stored)
 
     @property
@@ -76,6 +70,17 @@ class KeptEpisode:
         """Add a step; StoreError if the store cannot be written any more."""
         self.stored = self.stored.continued(stored_record(step), self._robot.end_step())
         put_episode(self._store, self.stored)
+
+
+def begun_episode(robot: RecordedRobot, belief: Belief, about: About | None = None) -> StoredEpisode:
+    """An exploration that begins now, without a step, seen by whom the robot's recordings are."""
+    return StoredEpisode(
+        datetime.now(UTC),
+        robot.thing,
+        header_record(belief, about or About()),
+        owner=robot.about.owner,
+        visibility=robot.about.visibility,
+    )
 
 
 def stored_record(step: Step) -> dict[str, Any]:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
 from uuid import UUID
 
-from palpate.episode.format import About, header_record
-from palpate.episode.keeping import stored_record
+from palpate.episode.format import About
+from palpate.episode.keeping import begun_episode, stored_record
 from palpate.explore import Step
 from palpate.inference.belief import Belief
 from palpate.recording.posting import Left, Poster, Server
 from palpate.robots.recorded import RecordedRobot
-from palpate.store.episodes import StoredEpisode, StoredStep
+from palpate.store.episodes import StoredStep
 
 __all__ = ["PostedEpisode"]
 
@@ -49,13 +48,7 @@ class PostedEpisode:
 
     def __init__(self, server: Server, robot: RecordedRobot, belief: Belief, about: About | None = None) -> None:
         self._robot = robot
-        self.stored = StoredEpisode(
-            datetime.now(UTC),
-            robot.thing,
-            header_record(belief, about or About()),
-            owner=robot.about.owner,
-            visibility=robot.about.visibility,
-        )
+        self.stored = begun_episode(robot, belief, about)
         self._poster = Poster(robot.spool, server, self.stored)
 
     @property

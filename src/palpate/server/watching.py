@@ -6,7 +6,6 @@ import json
 import logging
 import sys
 import time
-from ipaddress import ip_address
 
 from fastapi import APIRouter, Request
 from fastapi.responses import JSONResponse, Response
@@ -18,7 +17,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from palpate.server.api.parameters import StoreOf
 from palpate.server.problems import Problem, problem
 from palpate.server.security.accounts import Role
-from palpate.server.security.rates import address_of
+from palpate.server.security.addresses import is_here
 from palpate.server.security.who import Who
 
 __all__ = ["Watching", "router", "start_log"]
@@ -41,16 +40,9 @@ def health(store: StoreOf) -> Response:
 @router.get("/metrics", response_class=Response, responses={401: {"model": Problem}})
 def metrics(request: Request, who: Who) -> Response:
     """Counts and times for Prometheus, of all workers: to this computer, and to whoever has a token."""
-    if who.role is Role.NOBODY and not _is_local(address_of(request)):
+    if who.role is Role.NOBODY and not is_here(request):
         raise problem(401, "metrics are for this computer, or need a token", headers={"WWW-Authenticate": "Bearer"})
     return Response(generate_latest(_registry()), media_type=CONTENT_TYPE_LATEST)
-
-
-def _is_local(address: str) -> bool:
-    try:
-        return ip_address(address).is_loopback
-    except ValueError:
-        return False
 
 
 def _registry() -> CollectorRegistry:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import binascii
-from ipaddress import ip_address
 from typing import Annotated
 
 from fastapi import Depends, Request
@@ -12,8 +11,8 @@ from sqlalchemy import select
 
 from palpate.server.problems import ProblemError, problem
 from palpate.server.security.accounts import Account, Role, account_of
+from palpate.server.security.addresses import is_here
 from palpate.server.security.passwords import is_password
-from palpate.server.security.rates import address_of
 from palpate.server.security.sites import check_same_site
 from palpate.server.state import state_of
 from palpate.store import schema
@@ -30,7 +29,7 @@ IN_THE_CLEAR = (
 
 def basic_owner(request: Request) -> Account:
     """An account that may upload; nothing is looked at where the password could be overheard on its way."""
-    if request.url.scheme != "https" and not _is_here(address_of(request)):
+    if request.url.scheme != "https" and not is_here(request):
         raise problem(403, IN_THE_CLEAR)
     if "origin" in request.headers:
         # a browser that knows a password sends it along whoever has written the page
@@ -43,13 +42,6 @@ def basic_owner(request: Request) -> Account:
 
 
 BasicOwner = Annotated[Account, Depends(basic_owner)]
-
-
-def _is_here(address: str) -> bool:
-    try:
-        return ip_address(address).is_loopback
-    except ValueError:
-        return False
 
 
 def _given(request: Request) -> tuple[str, str]:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import time
 from collections import OrderedDict
 from collections.abc import Callable
-from ipaddress import IPv6Address, IPv6Network, ip_address
 
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from palpate.server.problems import Problem, problem_response
+from palpate.server.security.addresses import address_of
 
-__all__ = ["Rate", "RateLimit", "address_of", "network_of"]
+__all__ = ["Rate", "RateLimit"]
 
 MOST_ADDRESSES = 10_000
 
@@ -82,18 +82,3 @@ class RateLimit:
             return
         found = Problem(title="Too Many Requests", status=429, detail="too many requests from this address")
         await problem_response(found, {"Retry-After": str(int(wait_s) + 1)})(scope, receive, send)
-
-
-def network_of(connection: HTTPConnection) -> str:
-    """Where a request comes from, of IPv6 the network: who has one address of it has all."""
-    address = address_of(connection)
-    try:
-        found = ip_address(address)
-    except ValueError:
-        return address
-    return str(IPv6Network((found, 64), strict=False)) if isinstance(found, IPv6Address) else address
-
-
-def address_of(connection: HTTPConnection) -> str:
-    """Where a request comes from."""
-    return connection.client.host if connection.client is not None else ""

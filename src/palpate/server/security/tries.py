@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from starlette.requests import HTTPConnection
 
 from palpate.server.problems import problem
-from palpate.server.security.rates import Rate, network_of
+from palpate.server.security.addresses import network_of
+from palpate.server.security.rates import Rate
 
 __all__ = ["Tries"]
 
