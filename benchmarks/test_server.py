@@ -92,6 +92,8 @@ PATHS = {
     "list of 50 by gripper, property": (f"{API}/recordings?limit=50&gripper=gripper3&property=mass", 35e-3),
     "list of 50 by gripper, object": (f"{API}/recordings?limit=50&gripper=gripper3&object=object13", 35e-3),
     "list of 50 by text": (f"{API}/recordings?limit=50&text=object13", 35e-3),
+    "first page": ("/", 100e-3),
+    "page of all objects": ("/objects", 100e-3),
     "page of an object": ("/objects/made%20up/object13", 100e-3),
     "page of a recording with plots": ("/recordings/{digest}", 150e-3),
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sqlalchemy import func, select
+from sqlalchemy import exists, func, select
 
 from palpate.store import schema
 from palpate.store.legible import reading
@@ -27,10 +27,12 @@ class Counts:
 
 def counted(store: Store, viewer: Viewer) -> Counts:
     """Count what somebody sees."""
-    recordings, episodes = schema.recordings, schema.episodes
+    recordings, episodes, setups = schema.recordings, schema.episodes, schema.setups.c
+    # there are few setups, and each has its recordings together
+    is_seen = exists().where(recordings.c.setup_id == setups.id, viewer.of(recordings))
     asked = (
         select(func.count()).select_from(recordings).where(viewer.of(recordings)),
-        select(func.count(recordings.c.gripper.distinct())).where(viewer.of(recordings)),
+        select(func.count(setups.gripper.distinct())).where(is_seen),
         select(func.count()).select_from(episodes).where(viewer.of(episodes)),
     )
     with reading(store.engine) as connection:

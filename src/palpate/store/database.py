@@ -33,7 +33,7 @@ __all__ = [
     "writing",
 ]
 
-LATEST = "0004"
+LATEST = "0005"
 MIGRATIONS = Path(__file__).parent / "migrations"
 WAIT_S = 30
 PAGE_BYTES = 16384

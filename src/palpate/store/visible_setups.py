@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from dataclasses import dataclass
 
-from sqlalchemy import Select, exists, func, select
+from sqlalchemy import CTE, Select, exists, func, select
 
 from palpate.store import schema
 from palpate.store.fetching import setup_of
@@ -15,7 +15,16 @@ from palpate.store.seals import checked_document
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
 
-__all__ = ["SeenDevice", "SeenProperty", "SeenSetup", "seen_devices", "seen_properties", "seen_setups"]
+__all__ = [
+    "SeenDevice",
+    "SeenProperty",
+    "SeenSetup",
+    "result_counts",
+    "seen_devices",
+    "seen_grippers",
+    "seen_properties",
+    "seen_setups",
+]
 
 
 @dataclass(frozen=True)
@@ -39,11 +48,10 @@ class SeenDevice:
 
 @dataclass(frozen=True)
 class SeenProperty:
-    """A property with the unit that it was first given in (None for labels), and how many results of it are seen."""
+    """A property with the unit that it was first given in (None for labels)."""
 
     name: str
     unit: str | None
-    entries: int
 
 
 def seen_setups(store: Store, viewer: Viewer, digest: bytes | None = None) -> tuple[SeenSetup, ...]:
@@ -77,16 +85,46 @@ def seen_devices(store: Store, viewer: Viewer) -> tuple[SeenDevice, ...]:
         )
 
 
+def seen_grippers(store: Store, viewer: Viewer) -> tuple[str, ...]:
+    """Names of all grippers with which something was measured that is seen."""
+    setups, recordings = schema.setups.c, schema.recordings
+    is_seen = exists().where(recordings.c.setup_id == setups.id, viewer.of(recordings))
+    asked = select(setups.gripper).where(setups.gripper.is_not(None), is_seen).distinct()
+    with reading(store.engine) as connection:
+        return tuple(sorted(name for name in connection.scalars(asked) if name is not None))
+
+
 def seen_properties(store: Store, viewer: Viewer) -> tuple[SeenProperty, ...]:
-    """All properties of which a result is seen, by name."""
+    """All properties of which a result is seen, by name; the first that is seen is enough to know."""
+    names, entries, recordings = _property_names(), schema.entries.c, schema.recordings
+    asked = select(names).where(names.c.name.is_not(None))
+    if not viewer.everything:
+        result = entries.property.table.join(recordings, recordings.c.id == entries.recording_id)
+        is_seen = exists().select_from(result).where(entries.property == names.c.name, viewer.of(recordings))
+        asked = asked.where(is_seen)
+    with reading(store.engine) as connection:
+        units = {row.name: row.unit for row in connection.execute(select(schema.properties))}
+        found = sorted(connection.scalars(asked))
+    return tuple(SeenProperty(name, units.get(name)) for name in found)
+
+
+def result_counts(store: Store, viewer: Viewer) -> dict[str, int]:
+    """How many results are seen of each property."""
     entries, recordings = schema.entries.c, schema.recordings
     asked = select(entries.property, func.count()).where(entries.property.is_not(None)).group_by(entries.property)
     if not viewer.everything:
         asked = asked.where(exists().where(recordings.c.id == entries.recording_id, viewer.of(recordings)))
     with reading(store.engine) as connection:
-        units = {row.name: row.unit for row in connection.execute(select(schema.properties))}
-        rows = connection.execute(asked.order_by(entries.property)).all()
-    return tuple(SeenProperty(name, units.get(name), count) for name, count in rows if name is not None)
+        return {name: count for name, count in connection.execute(asked) if name is not None}
+
+
+def _property_names() -> CTE:
+    """Each property of a result, by going from one to the next in the index and not through all results."""
+    entries = schema.entries.alias("following").c
+    first = select(func.min(schema.entries.c.property).label("name"))
+    names = first.cte("names", recursive=True)
+    following = select(func.min(entries.property)).where(entries.property > names.c.name).scalar_subquery()
+    return names.union_all(select(following).where(names.c.name.is_not(None)))
 
 
 def _device(digest: bytes, document: str) -> Device:

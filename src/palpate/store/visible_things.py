@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -171,43 +172,42 @@ def _as_seen(connection: Connection, viewer: Viewer, found: Sequence[Thing]) -> 
     """Objects with what is merged into them and with their numbers of recordings as a viewer sees them."""
     if viewer.everything:
         return list(found)
-    found = _as_known(connection, viewer, found)
-    things, recordings, head = schema.things, schema.recordings, schema.things.alias("head")
-    joined = or_(things.c.id == head.c.id, things.c.merged_into == head.c.id)
-    named = (head.c.dataset, head.c.name)
-    those = tuple_(*named).in_([(one.ref.dataset, one.ref.id) for one in found])
-    merged = select(*named, things.c.dataset, things.c.name).join(head, joined).where(those, viewer.things())
-    seen = {tuple(row) for row in connection.execute(merged)}
-    counted = (
-        select(*named, func.count())
-        .select_from(recordings)
-        .join(things, things.c.id == recordings.c.thing_id)
-        .join(head, joined)
-        .where(those, viewer.of(recordings))
-        .group_by(*named)
-    )
-    counts = {(row[0], row[1]): row[2] for row in connection.execute(counted)}
+    keys = _keys(connection, found)
+    things, recordings = schema.things.c, schema.recordings
+    parts = select(things.id, things.merged_into, things.dataset, things.name, viewer.things())
+    heads, seen = {key: key for key in keys.values()}, dict[int, set[tuple[str, str]]]()
+    for key, head, dataset, name, is_seen in connection.execute(parts.where(things.merged_into.in_(keys.values()))):
+        heads[key] = head
+        if is_seen:
+            seen.setdefault(head, set()).add((dataset, name))
+    counted = select(recordings.c.thing_id, func.count()).where(recordings.c.thing_id.in_(heads), viewer.of(recordings))
+    counts = Counter[int]()
+    for key, count in connection.execute(counted.group_by(recordings.c.thing_id)):
+        counts[heads[key]] += count
     return [
         replace(
             one,
-            merged=tuple(part for part in one.merged if (one.ref.dataset, one.ref.id, part.dataset, part.id) in seen),
-            recordings=counts.get((one.ref.dataset, one.ref.id), 0),
+            merged=tuple(part for part in one.merged if (part.dataset, part.id) in seen.get(key, ())),
+            recordings=counts[key],
         )
-        for one in found
+        for key, one in zip(keys.values(), _as_known(connection, viewer, keys, found), strict=True)
     ]
 
 
-def _as_known(connection: Connection, viewer: Viewer, found: Sequence[Thing]) -> list[Thing]:
+def _keys(connection: Connection, found: Sequence[Thing]) -> dict[tuple[str, str], int]:
+    """Rows of objects, in their order."""
+    columns, names = schema.things.c, [(one.ref.dataset, one.ref.id) for one in found]
+    asked = select(columns.dataset, columns.name, columns.id).where(tuple_(columns.dataset, columns.name).in_(names))
+    rows = {(dataset, name): key for dataset, name, key in connection.execute(asked)}
+    return {name: rows[name] for name in names}
+
+
+def _as_known(
+    connection: Connection, viewer: Viewer, keys: Mapping[tuple[str, str], int], found: Sequence[Thing]
+) -> list[Thing]:
     """Objects with what a viewer may know of each."""
-    columns = schema.things.c
-    named = tuple_(columns.dataset, columns.name)
-    asked = select(columns.id, columns.dataset, columns.name).where(
-        named.in_([(one.ref.dataset, one.ref.id) for one in found])
-    )
-    rows = {(dataset, name): row for row, dataset, name in connection.execute(asked)}
-    keys = [rows[one.ref.dataset, one.ref.id] for one in found]
-    seen = seen_refs(connection, viewer, {key: one.ref for key, one in zip(keys, found, strict=True)})
-    return [replace(one, ref=seen[key]) for key, one in zip(keys, found, strict=True)]
+    seen = seen_refs(connection, viewer, {key: one.ref for key, one in zip(keys.values(), found, strict=True)})
+    return [replace(one, ref=seen[key]) for key, one in zip(keys.values(), found, strict=True)]
 
 
 def _cursor(thing: ThingRef) -> str:
@@ -232,6 +232,7 @@ def things_by_name(store: Store, viewer: Viewer, names: Collection[tuple[str, st
     with reading(store.engine) as connection:
         for part in (ordered[start : start + CHUNK] for start in range(0, len(ordered), CHUNK)):
             condition = tuple_(columns.dataset, columns.name).in_(part) & seen
-            for thing in _as_known(connection, viewer, list(things_where(connection, condition))):
+            things = list(things_where(connection, condition))
+            for thing in _as_known(connection, viewer, _keys(connection, things), things):
                 found[thing.ref.dataset, thing.ref.id] = replace(thing, merged=(), recordings=0)
     return found

@@ -16,7 +16,7 @@ from palpate.server.api.queries import RecordingQuery
 from palpate.server.security.who import Who
 from palpate.store.listing import Listed, list_recordings
 from palpate.store.rows import entry_columns
-from palpate.store.visible_setups import seen_properties
+from palpate.store.visible_setups import result_counts, seen_properties
 
 __all__ = ["router"]
 
@@ -37,7 +37,9 @@ def list_entries(request: Request, store: StoreOf, who: Who, query: Annotated[Re
 @router.get("/properties", response_model=Page[Property])
 def list_properties(store: StoreOf, who: Who) -> Response:
     """All properties that were measured, with the unit that each was first given in."""
-    return answer({"items": [vars(one) for one in seen_properties(store, who.viewer)], "next": None})
+    counts = result_counts(store, who.viewer)
+    found = ({**vars(one), "entries": counts.get(one.name, 0)} for one in seen_properties(store, who.viewer))
+    return answer({"items": list(found), "next": None})
 
 
 def _rows(row: Listed, wanted: str | None) -> Iterator[dict[str, Any]]:

@@ -34,7 +34,7 @@ from palpate.store.store import Store
 from palpate.store.things import Thing
 from palpate.store.viewing import Viewer, VisibleFilter
 from palpate.store.visible_results import Result, results_of
-from palpate.store.visible_setups import seen_properties, seen_setups
+from palpate.store.visible_setups import seen_grippers, seen_properties
 from palpate.store.visible_things import list_visible_things
 
 __all__ = ["router"]
@@ -49,8 +49,6 @@ def grid(request: Request, store: StoreOf, who: Who, query: Annotated[ObjectQuer
     """A grid of objects, searched and filtered."""
     limit = query.limit if "limit" in request.query_params else CARDS
     found = list_visible_things(store, who.viewer, query.filter(), limit=limit, cursor=query.cursor)
-    setups = seen_setups(store, who.viewer)
-    grippers = {one.setup.gripper.name for one in setups if one.setup.gripper is not None}
     return page(
         request,
         "objects.html",
@@ -58,7 +56,7 @@ def grid(request: Request, store: StoreOf, who: Who, query: Annotated[ObjectQuer
         cursor=found.cursor,
         asked=query,
         properties=[one.name for one in seen_properties(store, who.viewer)],
-        grippers=sorted(grippers),
+        grippers=seen_grippers(store, who.viewer),
     )
 
 
