@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from palpate import __version__
 from palpate.cli import benchmarking_bench
+from palpate.cli.benchmark_options import Compared
+from palpate.cli.task_options import Running
 from palpate.cli.tasks_view import run_shown
 from palpate.cli.terminal import console
 from palpate.errors import PalpateError
@@ -17,7 +19,6 @@ from palpate.experiments.comparison.plan import FULL, QUICK, calibration_tasks, 
 from palpate.experiments.comparison.report import comparison_report
 from palpate.experiments.comparison.results import Results
 from palpate.experiments.comparison.tables import RESULTS, read_results, save_results
-from palpate.experiments.comparison.worlds import NETWORK
 from palpate.experiments.running import Task, settings_of
 from palpate.figures.calibration import draw_calibration
 from palpate.figures.comparison import draw_comparison
@@ -25,64 +26,26 @@ from palpate.figures.wording import plural
 from palpate.network.digest import digest
 from palpate.network.reading import load_network
 
-__all__ = ["Asked", "check_together", "run", "tell"]
+__all__ = ["check_together", "run", "tell"]
 
 REPORT = "report.md"
 CALIBRATION = "calibration"
 MANY = 20_000
 
 
-@dataclass(frozen=True)
-class Asked:
-    """What was asked for.
-
-    Parameters
-    ----------
-    objects
-        Drawn in the in-model world; a number that fits the kind of run where None.
-    """
-
-    quick: bool
-    calibration: bool
-    objects: int | None
-    seed: int
-    network: str = NETWORK
-
-    @property
-    def tasks(self) -> list[Task]:
-        """What is run for it."""
-        if self.calibration:
-            return calibration_tasks(self.objects or MANY, self.seed, self.network)
-        size = QUICK if self.quick else FULL
-        return comparison_tasks(replace(size, in_model=self.objects or size.in_model), self.seed, self.network)
-
-    @property
-    def settings(self) -> dict[str, object]:
-        """All that the results depend on, as JSON."""
-        kind = CALIBRATION if self.calibration else "quick comparison" if self.quick else "comparison"
-        network = load_network(self.network)
-        return {
-            "kind": kind,
-            "objects": self.objects or (MANY if self.calibration else (QUICK if self.quick else FULL).in_model),
-            "seed": self.seed,
-            "network": f"{network.name} {digest(network)}",
-            "palpate": __version__,
-        }
-
-
-def check_together(bench: bool, quick: bool, calibration: bool, objects: int | None, repetitions: int | None) -> None:
+def check_together(asked: Compared) -> None:
     """Refuse options of the one kind of benchmark with the other."""
-    drawn = {"--quick": quick, "--calibration": calibration, "--objects": objects is not None}
-    wrong = [name for name, given in drawn.items() if given] if bench else []
+    drawn = {"--quick": asked.quick, "--calibration": asked.calibration, "--objects": asked.objects is not None}
+    wrong = [name for name, given in drawn.items() if given] if asked.on_bench else []
     if wrong:
         raise PalpateError(
             f"{', '.join(wrong)}: for drawn objects, and --robot mujoco was found, expected one of the two"
         )
-    if repetitions is not None and not bench:
+    if asked.repetitions is not None and not asked.on_bench:
         raise PalpateError("--repetitions: for the bench alone, expected --robot mujoco")
 
 
-def run(asked: Asked, folder: Path, *, workers: int | None, scheduler: str | None, resume: bool) -> None:
+def run(asked: Compared, folder: Path, running: Running) -> None:
     """Run the tasks and save the table.
 
     Raises
@@ -90,18 +53,37 @@ def run(asked: Asked, folder: Path, *, workers: int | None, scheduler: str | Non
     PalpateError
         A calibration was asked for that is quick: it has only one size.
     """
+    if asked.on_bench:
+        benchmarking_bench.run(asked, folder, running)
+        return
     if asked.quick and asked.calibration:
         raise PalpateError("--quick is for the comparison, and --calibration was found, expected one of the two")
-    run_shown(
-        asked.tasks,
-        folder,
-        doing="Comparing",
-        settings=asked.settings,
-        workers=workers,
-        scheduler=scheduler,
-        resume=resume,
-    )
+    run_shown(_tasks(asked), folder, running, doing="Comparing", settings=_settings(asked))
     save_results(folder)
+
+
+def _tasks(asked: Compared) -> list[Task]:
+    if asked.calibration:
+        return calibration_tasks(_objects(asked), asked.seed, asked.network)
+    size = QUICK if asked.quick else FULL
+    return comparison_tasks(replace(size, in_model=_objects(asked)), asked.seed, asked.network)
+
+
+def _objects(asked: Compared) -> int:
+    """How many are drawn in the in-model world: a number that fits the kind of run where none was typed."""
+    return asked.objects or (MANY if asked.calibration else (QUICK if asked.quick else FULL).in_model)
+
+
+def _settings(asked: Compared) -> dict[str, object]:
+    """All that the results depend on, as JSON."""
+    network = load_network(asked.network)
+    return {
+        "kind": CALIBRATION if asked.calibration else "quick comparison" if asked.quick else "comparison",
+        "objects": _objects(asked),
+        "seed": asked.seed,
+        "network": f"{network.name} {digest(network)}",
+        "palpate": __version__,
+    }
 
 
 def tell(folder: Path) -> None:

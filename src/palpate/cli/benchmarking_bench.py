@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from palpate import __version__
 from palpate.cli.benching import check_installed
+from palpate.cli.benchmark_options import Compared
+from palpate.cli.task_options import Running
 from palpate.cli.tasks_view import run_shown
 from palpate.errors import PalpateError
 from palpate.experiments.bench.held_out import held_out_tasks
@@ -24,72 +25,43 @@ from palpate.network.reading import load_network
 __all__ = ["KIND", "run", "tell"]
 
 KIND = "bench"
+REPETITIONS = 10
 REPORT, PICTURE, OUTCOMES = "report.md", "bench.png", "outcomes"
 
 
-@dataclass(frozen=True)
-class _How:
-    """How tasks are run."""
-
-    workers: int | None
-    scheduler: str | None
-    resume: bool
-
-
-def run(
-    network: str,
-    repetitions: int,
-    seed: int,
-    folder: Path,
-    *,
-    workers: int | None,
-    scheduler: str | None,
-    resume: bool,
-) -> None:
+def run(asked: Compared, folder: Path, running: Running) -> None:
     """Measure all objects, explore each with sensors calibrated on the others, and save the table."""
     check_installed()
-    known, how = load_network(network), _How(workers, scheduler, resume)
-    if len(known.objects) < 3:
-        raise PalpateError(f"{network}: found {len(known.objects)} known objects, expected 3 at least to hold one out")
-    from palpate.robots.mujoco.reading import bench_object
-
-    for thing in known.objects:
-        bench_object(known, thing)
+    known = _known(asked.network)
     settings: dict[str, object] = {
         "kind": KIND,
         "network": f"{known.name} {digest(known)}",
-        "repetitions": repetitions,
-        "seed": seed,
+        "repetitions": asked.repetitions or REPETITIONS,
+        "seed": asked.seed,
         "palpate": __version__,
     }
-    _measure(known, repetitions, seed, folder / OUTCOMES, settings, how)
-    _explore(known, folder, settings, how)
+    measuring = measure_tasks(
+        InPhysics(SharedNetwork(known)),
+        list(known.objects),
+        times=asked.repetitions or REPETITIONS,
+        seed=asked.seed,
+    )
+    run_shown(measuring, folder / OUTCOMES, running, doing="Measuring", settings=settings)
+    exploring = held_out_tasks(known, list(measurements(folder / OUTCOMES)))
+    run_shown(exploring, folder, running, doing="Exploring", settings=settings)
     save_results(folder)
 
 
-def _measure(known: Network, repetitions: int, seed: int, folder: Path, settings: dict[str, object], how: _How) -> None:
-    lab = InPhysics(SharedNetwork(known))
-    run_shown(
-        measure_tasks(lab, list(known.objects), times=repetitions, seed=seed),
-        folder,
-        doing="Measuring",
-        settings=settings,
-        workers=how.workers,
-        scheduler=how.scheduler,
-        resume=how.resume,
-    )
+def _known(name: str) -> Network:
+    """The network, whose objects can all be put on the bench."""
+    from palpate.robots.mujoco.reading import bench_object
 
-
-def _explore(known: Network, folder: Path, settings: dict[str, object], how: _How) -> None:
-    run_shown(
-        held_out_tasks(known, list(measurements(folder / OUTCOMES))),
-        folder,
-        doing="Exploring",
-        settings=settings,
-        workers=how.workers,
-        scheduler=how.scheduler,
-        resume=how.resume,
-    )
+    known = load_network(name)
+    if len(known.objects) < 3:
+        raise PalpateError(f"{name}: found {len(known.objects)} known objects, expected 3 at least to hold one out")
+    for thing in known.objects:
+        bench_object(known, thing)
+    return known
 
 
 def tell(folder: Path) -> None:

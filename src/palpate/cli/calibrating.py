@@ -8,8 +8,10 @@ from pathlib import Path
 
 from palpate import __version__
 from palpate.cli.benching import check_installed
+from palpate.cli.calibrate_options import Measured
 from palpate.cli.fit_options import How, OfStore
 from palpate.cli.store_options import Place
+from palpate.cli.task_options import RobotKind, Running
 from palpate.errors import PalpateError, choices, near
 from palpate.fitting.data import Data
 from palpate.fitting.settings import Settings
@@ -26,47 +28,40 @@ class OnRobot:
 
     Parameters
     ----------
-    robot
-        ``sampled`` or ``mujoco``; None where none was named.
-    world
-        Network from which the sampled robot draws; the one that is calibrated where it is None.
+    asked
+        What was typed.
     folder
         Where outcomes are kept.
     """
 
-    robot: str | None
-    world: str | None
-    things: tuple[str, ...]
-    actions: tuple[str, ...]
-    times: int
-    seed: int
+    asked: Measured
+    running: Running
     folder: Path
-    workers: int | None
-    scheduler: str | None
-    resume: bool
 
     def check_beside(self, place: Place, of_store: OfStore) -> None:
         """Refuse options of a store beside a robot, and those of a robot without one."""
         places = {"--store": place.place, "--blobs": place.blobs}
         typed = [name for name, value in {**places, **of_store.typed}.items() if value is not None]
-        if self.robot is not None and typed:
+        asked, running = self.asked, self.running
+        if asked.robot is not None and typed:
             raise PalpateError(f"{', '.join(typed)}: for a store alone, and --robot was found; expected one of them")
-        if self.world is not None and self.robot != "sampled":
+        if asked.world is not None and asked.robot is not RobotKind.SAMPLED:
             raise PalpateError("--world: for the sampled robot alone, expected --robot sampled")
-        if self.robot is None and (self.things or self.resume or self.scheduler):
+        if asked.robot is None and (asked.things or running.resume or running.scheduler):
             raise PalpateError("--object, --resume, --scheduler: for a robot alone, expected --robot")
 
     def check(self) -> None:
         """Refuse a robot that cannot be had here."""
-        if self.robot == "mujoco":
+        if self._in_physics:
             check_installed()
 
     @property
     def words(self) -> list[object]:
         """What was typed."""
-        world = ["--world", self.world] if self.world else []
-        named = [word for name in self.things for word in ("--object", name)]
-        return ["--robot", self.robot, *world, *named, "--times", self.times, "--seed", self.seed]
+        asked = self.asked
+        world = ["--world", asked.world] if asked.world else []
+        named = [word for name in asked.things for word in ("--object", name)]
+        return ["--robot", self._robot, *world, *named, "--times", asked.times, "--seed", asked.seed]
 
     def read(self, network: Network) -> Data:
         """Measure, or go on measuring, and read what was measured."""
@@ -75,36 +70,38 @@ class OnRobot:
         from palpate.experiments.shared import SharedNetwork
         from palpate.fitting.robot_data import read_outcomes
 
-        drawn = network if self.world is None else load_network(self.world)
-        lab: Lab = (InPhysics if self.robot == "mujoco" else Sampled)(SharedNetwork(drawn))
-        things = _chosen("--object", self.things, drawn.objects)
-        tasks = measure_tasks(lab, things, actions=self.actions, times=self.times, seed=self.seed)
-        run_shown(
-            tasks,
-            self.folder,
-            doing="Measuring",
-            settings=self._settings(drawn, things),
-            workers=self.workers,
-            scheduler=self.scheduler,
-            resume=self.resume,
-        )
+        asked = self.asked
+        drawn = network if asked.world is None else load_network(asked.world)
+        lab: Lab = (InPhysics if self._in_physics else Sampled)(SharedNetwork(drawn))
+        things = _chosen("--object", asked.things, drawn.objects)
+        tasks = measure_tasks(lab, things, actions=asked.actions, times=asked.times, seed=asked.seed)
+        run_shown(tasks, self.folder, self.running, doing="Measuring", settings=self._settings(drawn, things))
         return read_outcomes(network, drawn.objects, measurements(self.folder), self._source(drawn))
 
     def _settings(self, drawn: Network, things: Sequence[str]) -> dict[str, object]:
         """All that the outcomes depend on, as JSON."""
         return {
             "kind": "measurements",
-            "robot": self.robot,
+            "robot": self._robot,
             "network": f"{drawn.name} {digest(drawn)}",
             "objects": list(things),
-            "actions": list(self.actions),
-            "times": self.times,
-            "seed": self.seed,
+            "actions": list(self.asked.actions),
+            "times": self.asked.times,
+            "seed": self.asked.seed,
             "palpate": __version__,
         }
 
     def _source(self, drawn: Network) -> str:
-        return f"mujoco, seed {self.seed}" if self.robot == "mujoco" else f"sampled from {drawn.name}, seed {self.seed}"
+        measured = "mujoco" if self._in_physics else f"sampled from {drawn.name}"
+        return f"{measured}, seed {self.asked.seed}"
+
+    @property
+    def _in_physics(self) -> bool:
+        return self.asked.robot is RobotKind.MUJOCO
+
+    @property
+    def _robot(self) -> str | None:
+        return None if self.asked.robot is None else self.asked.robot.value
 
 
 @dataclass(frozen=True)
@@ -124,7 +121,8 @@ class SensorsOf:
         kept = [name for name in network.actions if name not in chosen]
         return Settings(how.pseudo_count, (*network.properties, *kept), whole_sensors=True)
 
-    def words(self, how: How) -> list[str]:
+    @property
+    def words(self) -> list[str]:
         """What was typed."""
         return [word for name in self.actions for word in ("--action", name)]
 

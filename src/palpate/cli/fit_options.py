@@ -1,4 +1,4 @@
-"""Options of `palpate network fit`, for `palpate.cli.spreading.spread`: which data, and how a network is fitted."""
+"""Options of the commands that fit a network, for `palpate.cli.spreading.spread`: which data, and how it is fitted."""
 
 from __future__ import annotations
 
@@ -9,9 +9,14 @@ from typing import Annotated
 
 import typer
 
-__all__ = ["How", "OfStore", "Tables"]
+__all__ = ["How", "Keep", "OfStore", "Tables"]
 
 OF_STORE, OF_TABLES, HOW = "Which data of the store", "Tables in place of a store", "How it is fitted"
+
+Keep = Annotated[
+    list[str] | None,
+    typer.Option(help="A property or action whose numbers are kept; may be repeated.", rich_help_panel=HOW),
+]
 
 
 @dataclass(frozen=True)
@@ -57,10 +62,6 @@ class How:
     """How a network is fitted, and scored."""
 
     pseudo_count: Annotated[float, typer.Option(help="Added to each count of a table.", rich_help_panel=HOW)] = 0.2
-    keep: Annotated[
-        list[str] | None,
-        typer.Option(help="A property or action whose numbers are kept; may be repeated.", rich_help_panel=HOW),
-    ] = None
     folds: Annotated[
         int, typer.Option(help="Of the objects, to score the fit on those held out; 0: none.", rich_help_panel=HOW)
     ] = 10

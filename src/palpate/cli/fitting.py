@@ -33,13 +33,16 @@ class Part(Protocol):
     def settings(self, network: Network, how: How) -> Settings:
         """How the network is fitted."""
 
-    def words(self, how: How) -> list[str]:
+    @property
+    def words(self) -> list[str]:
         """What was typed."""
 
 
 @dataclass(frozen=True)
 class All:
     """All of it, but what is kept."""
+
+    kept: tuple[str, ...]
 
     @property
     def command(self) -> tuple[str, ...]:
@@ -52,19 +55,20 @@ class All:
         from palpate.fitting.settings import Settings
 
         try:
-            settings = Settings(how.pseudo_count, tuple(how.keep or ()))
+            settings = Settings(how.pseudo_count, self.kept)
             settings.check(network)
         except FittingError as error:
             # fields are called as the options are
             raise PalpateError(f"--{error}") from None
         return settings
 
-    def words(self, how: How) -> list[str]:
+    @property
+    def words(self) -> list[str]:
         """What was typed."""
-        return [word for name in how.keep or () for word in ("--keep", name)]
+        return [word for name in self.kept for word in ("--keep", name)]
 
 
-def fit_network(like: str, data_from: DataFrom, output: Path, how: How, *, force: bool, part: Part = All()) -> None:
+def fit_network(like: str, data_from: DataFrom, part: Part, output: Path, how: How, *, force: bool) -> None:
     """Fit, score, write and tell."""
     from palpate import __version__
     from palpate.cli.fit_view import fit_report
@@ -87,7 +91,7 @@ def fit_network(like: str, data_from: DataFrom, output: Path, how: How, *, force
         )
     scores = _scores(template, data, settings, folds) if folds else {}
     words = ["palpate", *part.command, "--like", like, *data_from.words, "--pseudo-count", f"{how.pseudo_count:g}"]
-    command = shlex.join(str(word) for word in (*words, *part.words(how), "--output", output))
+    command = shlex.join(str(word) for word in (*words, *part.words, "--output", output))
     made = Provenance(like, command, __version__, moment or _last(data), scores)
     _write(output, document(template, fitted, data, settings, made, output.stem))
     console().print(fit_report(fitted, scores, data))

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from palpate.cli.fit_options import How, OfStore, Tables
+from palpate.cli.fit_options import How, Keep, OfStore, Tables
 from palpate.cli.spreading import spread
 from palpate.cli.store_options import Place
 
@@ -74,10 +74,11 @@ def fit(
     of_store: OfStore,
     tables: Tables,
     how: How,
+    keep: Keep = None,
     force: Annotated[bool, typer.Option("--force", help="Replace the file if there is one.")] = False,
 ) -> None:
     """Make a network from your own data: its numbers are estimated from objects with known properties."""
     from palpate.cli.fit_data import From
-    from palpate.cli.fitting import fit_network
+    from palpate.cli.fitting import All, fit_network
 
-    fit_network(like, From(place, of_store, tables), output, how, force=force)
+    fit_network(like, From(place, of_store, tables), All(tuple(keep or ())), output, how, force=force)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from palpate.cli.reproduce_options import Experiments
+from palpate.cli.task_options import Running
 from palpate.cli.tasks_view import run_shown
 from palpate.cli.terminal import console
 from palpate.errors import PalpateError, choices, near
@@ -26,28 +28,23 @@ ENGINES = ("message-passing", "exact")
 REPORT = "report.md"
 
 
-def planned(
-    *,
-    engines: Sequence[str],
-    presets: Sequence[str],
-    networks: Sequence[str],
-    objectives: Sequence[str],
-    objects: Sequence[str],
-    repetitions: int | None,
-    data: Path | None,
-    seed: int,
-) -> Plan:
+def planned(asked: Experiments) -> Plan:
     """The plan of what was asked for."""
-    names = list(dict.fromkeys(networks)) or [paper().network, paper().published_network]
+    names = _once(asked.network) or [paper().network, paper().published_network]
     return plan(
         [load_network(name) for name in names],
-        _engines(list(dict.fromkeys(engines)), list(dict.fromkeys(presets))),
-        seed=seed,
-        repetitions=repetitions,
-        objects=objects,
-        objectives=objectives,
-        data=data,
+        _engines(_once(asked.engine), _once(asked.preset)),
+        seed=asked.seed,
+        repetitions=asked.repetitions,
+        objects=asked.thing or [],
+        objectives=asked.learn or [],
+        data=asked.data,
     )
+
+
+def _once(names: Sequence[str] | None) -> list[str]:
+    """The names that were typed, each once, in their order."""
+    return list(dict.fromkeys(names or ()))
 
 
 def _engines(names: Sequence[str], presets: Sequence[str]) -> list[Engine]:
@@ -64,21 +61,13 @@ def _engines(names: Sequence[str], presets: Sequence[str]) -> list[Engine]:
     return [*found, Exact()] if not names or "exact" in names else found
 
 
-def run(planned: Plan, folder: Path, *, workers: int | None, scheduler: str | None, resume: bool) -> None:
+def run(planned: Plan, folder: Path, running: Running) -> None:
     """Run the tasks and save the tables."""
     if planned.problems:
         print(f"{plural(len(planned.problems), 'problem')} with the recordings, listed in the report:")
     for problem in planned.problems:
         print(f"  {problem}")
-    run_shown(
-        planned.tasks,
-        folder,
-        doing="Exploring",
-        settings=planned.settings,
-        workers=workers,
-        scheduler=scheduler,
-        resume=resume,
-    )
+    run_shown(planned.tasks, folder, running, doing="Exploring", settings=planned.settings)
     save_tables(folder)
 
 

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 from typing import Annotated
 
 import typer
 
-__all__ = ["WHAT", "Running", "Seed"]
+__all__ = ["WHAT", "RobotKind", "Running", "Seed"]
 
 WHAT, HOW = "What is run", "How it is run"
 
 Seed = Annotated[int, typer.Option(min=0, help="Seed of all chance.", rich_help_panel=WHAT)]
+
+
+class RobotKind(Enum):
+    """Who measures."""
+
+    SAMPLED = "sampled"
+    MUJOCO = "mujoco"
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from palpate.cli.progress_view import bar
+from palpate.cli.task_options import Running
 from palpate.errors import plural
 from palpate.experiments.running import Task, run_tasks
 from palpate.experiments.workers import executor
@@ -14,14 +15,7 @@ __all__ = ["run_shown"]
 
 
 def run_shown(
-    tasks: Sequence[Task],
-    folder: Path,
-    *,
-    doing: str,
-    settings: Mapping[str, object],
-    workers: int | None,
-    scheduler: str | None,
-    resume: bool,
+    tasks: Sequence[Task], folder: Path, running: Running, *, doing: str, settings: Mapping[str, object]
 ) -> None:
     """Run tasks as `palpate.experiments.running.run_tasks` does, and show how far it is.
 
@@ -32,14 +26,14 @@ def run_shown(
     """
     kept = 0
     try:
-        with executor(workers, scheduler) as found, bar(doing) as told:
+        with executor(running.workers, running.scheduler) as found, bar(doing) as told:
 
             def tell(done: int, of: int) -> None:
                 nonlocal kept
                 kept = done
                 told(done, of)
 
-            run_tasks(tasks, folder, found, tell, settings=settings, resume=resume)
+            run_tasks(tasks, folder, found, tell, settings=settings, resume=running.resume)
     except KeyboardInterrupt:
         print(
             f"Interrupted: {kept} of {plural(len(tasks), 'task')} are done and kept in {folder}; the same command with "
