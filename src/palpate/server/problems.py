@@ -17,11 +17,12 @@ from sqlalchemy.exc import DataError, OperationalError
 from sqlalchemy.exc import TimeoutError as NoConnectionError
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Scope, Send
 
 from palpate.errors import PalpateError
 from palpate.server.methods import methods_of
 from palpate.server.pages.templates import error_page
+from palpate.server.sending import Sending
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
 
 __all__ = [
@@ -184,18 +185,12 @@ class Unexpected:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        started = False
-
-        async def send_and_note(message: Message) -> None:
-            nonlocal started
-            started = started or message["type"] == "http.response.start"
-            await send(message)
-
+        sending = Sending(send)
         try:
-            await self.app(scope, receive, send_and_note)
+            await self.app(scope, receive, sending)
         except Exception:
             _log.exception("an error of the server: %s %s", scope["method"], scope["path"])
-            if started:
+            if sending.status is not None:
                 raise
             found = problem(500, "an error of the server, which is in its log")
             await _answer(Request(scope), found)(scope, receive, send)

@@ -12,13 +12,14 @@ from fastapi.responses import JSONResponse, Response
 from prometheus_client import CONTENT_TYPE_LATEST, REGISTRY, CollectorRegistry, Counter, Histogram, generate_latest
 from prometheus_client.multiprocess import MultiProcessCollector
 from sqlalchemy import text
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Scope, Send
 
 from palpate.server.api.parameters import StoreOf
 from palpate.server.problems import Problem, problem
 from palpate.server.security.accounts import Role
 from palpate.server.security.addresses import is_here
 from palpate.server.security.who import Who
+from palpate.server.sending import Sending
 
 __all__ = ["Watching", "router", "start_log"]
 
@@ -72,18 +73,11 @@ class Watching:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        started, status = time.perf_counter(), 500
-
-        async def send_and_note(message: Message) -> None:
-            nonlocal status
-            if message["type"] == "http.response.start":
-                status = message["status"]
-            await send(message)
-
+        started, sending = time.perf_counter(), Sending(send)
         try:
-            await self.app(scope, receive, send_and_note)
+            await self.app(scope, receive, sending)
         finally:
-            _note(scope, status, time.perf_counter() - started)
+            _note(scope, sending.status or 500, time.perf_counter() - started)
 
 
 def _note(scope: Scope, status: int, seconds: float) -> None:
