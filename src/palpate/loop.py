@@ -111,7 +111,13 @@ def offered(loop: Loop, state: State) -> tuple[list[str], tuple[str, ...]]:
 def decide(
     loop: Loop, state: State, gains: Mapping[str, float], too_dear: Sequence[str]
 ) -> tuple[str | None, str | None]:
-    """Return the action to take, or None and why to stop."""
+    """Return the action to take, or None and why to stop.
+
+    Raises
+    ------
+    EvidenceError
+        If the policy chose an action that cannot be taken.
+    """
     situation = Situation(state.belief, gains, loop.costs_s, state.spent_s, state.taken, too_dear)
     reason = loop.stopping.reason(situation)
     if reason is not None:

@@ -88,7 +88,13 @@ class ExactBelief:
         return {}
 
     def normalise(self) -> None:
-        """Make a distribution of the log joint."""
+        """Make a distribution of the log joint.
+
+        Raises
+        ------
+        ImpossibleEvidenceError
+            If the evidence has probability zero.
+        """
         peak = float(self.log_joint.max())
         if peak == -np.inf:
             raise _impossible(self.evidence[-1], len(self.evidence))
@@ -204,6 +210,11 @@ class ExactBelief:
 
     def probabilities(self, *properties: str) -> Array:
         """Joint probabilities of categorical properties, an axis each in the order given; they sum to one.
+
+        Raises
+        ------
+        EvidenceError
+            If the network has no such property, or one is not categorical.
 
         Examples
         --------

@@ -76,7 +76,13 @@ def _shipped() -> Mapping[str, Unit]:
 
 @cache
 def ask_pint(text: str) -> Unit:
-    """As `unit_of`, from pint instead of the shipped answers."""
+    """As `unit_of`, from pint instead of the shipped answers.
+
+    Raises
+    ------
+    UnitError
+        If the unit is unknown, or no multiple of a base unit.
+    """
     import pint  # its import takes longer than reading a network
 
     unknown = UnitError(f"unknown unit {text[:100]!r}; expected one such as 'g', 'cm^3', 'kg/m^3', 'kPa'")

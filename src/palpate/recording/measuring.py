@@ -101,7 +101,13 @@ class Measuring:
     def one(
         self, args: tuple[Any, ...], kwargs: dict[str, Any], *, superseded: Callable[[], bool] = lambda: False
     ) -> Iterator[Returned]:
-        """Record one call; where in the end it is superseded by another recording, this one is dropped."""
+        """Record one call; where in the end it is superseded by another recording, this one is dropped.
+
+        Raises
+        ------
+        RecordingError
+            If the disk does not take it. What the call itself raises goes on, and is recorded.
+        """
         begun = self._begun(args, kwargs)
         returned = Returned()
         try:

@@ -40,7 +40,13 @@ class Outbox:
         self.folder = spool.folder / "episodes"
 
     def begin(self, episode: StoredEpisode) -> Outgoing:
-        """Keep the beginning of an exploration; its lines follow."""
+        """Keep the beginning of an exploration; its lines follow.
+
+        Raises
+        ------
+        RecordingError
+            If it is being sent already, or the disk does not take it.
+        """
         (self._spool.folder / "locks").mkdir(parents=True, exist_ok=True)
         self.folder.mkdir(exist_ok=True)
         lock = Lock(self._lock(str(episode.id)))
@@ -101,7 +107,13 @@ class Outgoing:
         self.write({"record": step.record, "recording": step.recording})
 
     def write(self, plain: Any) -> None:
-        """Keep a line as JSON."""
+        """Keep a line as JSON.
+
+        Raises
+        ------
+        RecordingError
+            If the disk does not take it.
+        """
         try:
             with self.path.open("a", encoding="utf-8") as file:
                 file.write(to_json(plain) + "\n")

@@ -117,7 +117,13 @@ class Recorder:
         self.file(f"data/{name}.json", json_of(f"variable {name!r}", value))
 
     def thing(self, thing: ThingRef) -> None:
-        """Tell which object is measured."""
+        """Tell which object is measured.
+
+        Raises
+        ------
+        RecordingError
+            If it is no `ThingRef`.
+        """
         if not isinstance(thing, ThingRef):
             raise RecordingError(f"thing: found {thing!r}, expected a ThingRef")
         self._update(thing=thing)

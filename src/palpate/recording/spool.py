@@ -82,7 +82,15 @@ class Spool:
         self._is_made = False
 
     def begin(self, begun: Recording) -> Unfinished:
-        """Begin a recording that is written as it comes; its series, files and log are empty."""
+        """Begin a recording that is written as it comes; its series, files and log are empty.
+
+        Raises
+        ------
+        RecordingError
+            If one of this id is being written already.
+        OSError
+            If the disk does not take it.
+        """
         name = _name(begun)
         lock = Lock(self._lock(name))
         # held before there is anything to recover

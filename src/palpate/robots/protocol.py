@@ -55,7 +55,13 @@ class FunctionRobot:
         return (*self._functions, *(name for name in others if name not in self._functions))
 
     def perform(self, action: str) -> Outcome:
-        """Call the action's function, or let the robot beside do it."""
+        """Call the action's function, or let the robot beside do it.
+
+        Raises
+        ------
+        EvidenceError
+            If neither knows the action.
+        """
         if action in self._functions:
             return self._functions[action]()
         if self._beside:

@@ -138,7 +138,13 @@ class EntropyBelow(StoppingRule):
     bits: float
 
     def reason(self, situation: Situation) -> str | None:
-        """Why to stop; None to go on."""
+        """Why to stop; None to go on.
+
+        Raises
+        ------
+        EvidenceError
+            If the property is not categorical.
+        """
         if not isinstance(situation.belief.network.property(self.property), CategoricalProperty):
             raise EvidenceError(f"an entropy target needs a categorical property, {self.property!r} has an SD target")
         entropy = situation.belief.marginal(self.property).entropy_bits
@@ -155,7 +161,13 @@ class SdBelow(StoppingRule):
     sd: float
 
     def reason(self, situation: Situation) -> str | None:
-        """Why to stop; None to go on."""
+        """Why to stop; None to go on.
+
+        Raises
+        ------
+        EvidenceError
+            If the property is not continuous, or the belief has no SD of it.
+        """
         measured = situation.belief.network.property(self.property)
         marginal = situation.belief.marginal(self.property)
         if isinstance(measured, CategoricalProperty) or not hasattr(marginal, "sd"):

@@ -35,6 +35,13 @@ class Blobs(Protocol):
         """Keep bytes, or those of a file, under their digest.
 
         Where they are there already they count as written now, so that nobody takes them for left over from long ago.
+
+        Raises
+        ------
+        StoreError
+            If a file cannot be read, or changes meanwhile.
+        UnavailableError
+            If they cannot be written.
         """
 
     def get(self, digest: str) -> bytes:
@@ -94,7 +101,15 @@ class FolderBlobs:
         self._made = set[Path]()
 
     def put(self, digest: str, data: bytes | Path) -> None:
-        """Keep bytes under their digest: written beside, flushed to the disk, renamed."""
+        """Keep bytes under their digest: written beside, flushed to the disk, renamed.
+
+        Raises
+        ------
+        StoreError
+            If a file to keep cannot be read.
+        UnavailableError
+            If the folder does not take it.
+        """
         path = self._path(digest)
         try:
             if not _renewed(path):
@@ -141,7 +156,13 @@ class FolderBlobs:
             return self._path(digest).stat().st_size
 
     def pieces(self, digest: str, start: int, end: int) -> Iterator[bytes]:
-        """The bytes from one place to another, piece by piece; they are not verified."""
+        """The bytes from one place to another, piece by piece; they are not verified.
+
+        Raises
+        ------
+        DamagedError
+            If there are fewer.
+        """
         with self._told(digest), self._path(digest).open("rb") as opened:
             opened.seek(start)
             while start < end:

@@ -53,7 +53,13 @@ class BucketBlobs:
             self._store = from_url(url, client_options=_options()) if url.startswith("s3:") else from_url(url)
 
     def put(self, digest: str, data: bytes | Path) -> None:
-        """Keep bytes under their digest; an object appears whole or not at all."""
+        """Keep bytes under their digest; an object appears whole or not at all.
+
+        Raises
+        ------
+        DamagedError
+            If a file to keep has changed since its digest was taken.
+        """
         import obstore
 
         # what is older is put again, so that nobody takes it for left over
@@ -82,7 +88,13 @@ class BucketBlobs:
             return obstore.head(self._store, _key(digest))["size"]
 
     def pieces(self, digest: str, start: int, end: int) -> Iterator[bytes]:
-        """The bytes from one place to another, piece by piece; they are not verified."""
+        """The bytes from one place to another, piece by piece; they are not verified.
+
+        Raises
+        ------
+        DamagedError
+            If there are fewer.
+        """
         import obstore
 
         if start >= end:

@@ -223,7 +223,15 @@ def _told(engine: Engine) -> Iterator[None]:
 
 
 def migrate(engine: Engine, target: str) -> None:
-    """Bring the tables to a revision, up or down (``"base"``: no tables)."""
+    """Bring the tables to a revision, up or down (``"base"``: no tables).
+
+    Raises
+    ------
+    DamagedError
+        If the tables do not say of which version they are.
+    StoreError
+        If they are of a version that is not known here.
+    """
     from alembic import command
     from alembic.config import Config
     from alembic.script import ScriptDirectory

@@ -110,6 +110,11 @@ class MessagePassingBelief:
         """Probabilities of categorical properties, an axis each in the order given; they sum to one.
 
         Of several the product of their probabilities: the method keeps no joint.
+
+        Raises
+        ------
+        EvidenceError
+            If the network has no such property, or one is not categorical.
         """
         joint = np.ones(())
         for name in properties:

@@ -67,7 +67,13 @@ class MomentColumn:
     form: TimeForm
 
     def moment(self, table: CsvTable, notices: list[str]) -> datetime:
-        """The time in the first cell."""
+        """The time in the first cell.
+
+        Raises
+        ------
+        StoreError
+            If it tells none.
+        """
         line, text = next(table.cells(self.column))
         try:
             return self.form.read(text, notices)
@@ -83,7 +89,13 @@ class MomentInName:
     form: TimeForm
 
     def moment(self, table: CsvTable, notices: list[str]) -> datetime:
-        """The time that the name tells."""
+        """The time that the name tells.
+
+        Raises
+        ------
+        StoreError
+            If it tells none.
+        """
         text = groups_in_name(self.pattern, table).get("time") or ""
         try:
             return self.form.read(text, notices)
@@ -109,7 +121,13 @@ class TimeColumn:
     unit: str
 
     def time_s(self, table: CsvTable) -> NDArray[np.float64]:
-        """Time stamps [s]; each row must have one, and none may be before the one ahead of it."""
+        """Time stamps [s]; each row must have one, and none may be before the one ahead of it.
+
+        Raises
+        ------
+        StoreError
+            If that is not so; the line and the column are named.
+        """
         stamps = table.numbers(self.column) * factor(self.unit, "s")
         wrong = np.flatnonzero(~np.isfinite(stamps))
         if len(wrong):

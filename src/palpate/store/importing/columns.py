@@ -50,7 +50,13 @@ class ThingColumn:
     dataset: str
 
     def thing(self, table: CsvTable) -> ThingRef:
-        """The object that the column names."""
+        """The object that the column names.
+
+        Raises
+        ------
+        StoreError
+            If the column is empty.
+        """
         found = table.only(self.column)
         if found is None:
             raise StoreError(f"{table.file}: column {self.column!r} is empty, expected the name of the object")

@@ -117,7 +117,13 @@ class UploadDictionary:
         return values[0]
 
     def signals(self) -> tuple[dict[str, Sequence[float]], dict[str, str]]:
-        """Return the numeric series and the paths of the signals' files as given, by device and channel."""
+        """Return the numeric series and the paths of the signals' files as given, by device and channel.
+
+        Raises
+        ------
+        LogError
+            If a channel is neither.
+        """
         series: dict[str, Sequence[float]] = {}
         files: dict[str, str] = {}
         for device in self.mapping("measurement", "sensor_outputs"):

@@ -63,7 +63,13 @@ def compact(states: int, size: tuple[int, int]) -> Net:
 
 
 def resnet34(states: int) -> Net:
-    """The paper's network, with random weights."""
+    """The paper's network, with random weights.
+
+    Raises
+    ------
+    PalpateError
+        If torchvision is not installed, or does not fit PyTorch.
+    """
     torch = _torch()
     try:
         from torchvision.models import resnet34 as build

@@ -59,6 +59,11 @@ def draw_sights(network: Network, count: int, hues: Hues, rng: np.random.Generat
         One whose `category` and `material` are those that can be drawn.
     name
         What their names begin with.
+
+    Raises
+    ------
+    PalpateError
+        If these are not categorical.
     """
     category, material = network.properties["category"], network.properties["material"]
     if not (isinstance(category, CategoricalProperty) and isinstance(material, CategoricalProperty)):

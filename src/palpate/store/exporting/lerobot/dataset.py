@@ -75,7 +75,13 @@ class LeRobot:
         return {} if untimed is None else {"assumed_rate_hz": untimed}
 
     def write(self, selection: Selection, folder: Path, told: Told) -> Written:
-        """Write frames, what describes them, and the card."""
+        """Write frames, what describes them, and the card.
+
+        Raises
+        ------
+        StoreError
+            If no recording can be an episode.
+        """
         given, data = publication(selection, self.terms, self._lacking)
         features = find_features(given, self.assumed_rate_hz)
         episodes, notices = self._write_episodes(given, features, folder, told, data.census.recordings)
