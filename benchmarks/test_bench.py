@@ -32,7 +32,7 @@ from palpate.robots.mujoco.robot import MujocoRobot
 from palpate.robots.mujoco.sound import Substance
 from palpate.robots.mujoco.squeezing import squeeze
 from palpate.robots.mujoco.weighing import weigh
-from palpate.robots.signals import SqueezeSignals, WeighSignals
+from palpate.robots.signals import ImageSignals, SoundSignals, SqueezeSignals, WeighSignals
 
 Fixture = Any  # pytest-benchmark's fixture
 G_M_S2 = 9.80665
@@ -87,11 +87,13 @@ def test_squeezing(benchmark: Fixture, quiet: bool) -> None:
 
 
 @pytest.mark.parametrize(("deed", "target_s"), [(knock, 0.5), (look, 0.15)])
-def test_other_deeds(benchmark: Fixture, deed: Callable[[Bench], object], target_s: float) -> None:
+def test_other_deeds(benchmark: Fixture, deed: Callable[[Bench], SoundSignals | ImageSignals], target_s: float) -> None:
     """A knock with its sound; an image of 640 x 480."""
     with Bench(block(100.0, 50.0), BenchNoise(), np.random.default_rng(0)) as bench:
         benchmark.extra_info.update(what=f"{deed.__name__}", target_s=target_s)
-        benchmark.pedantic(deed, (bench,), rounds=20, warmup_rounds=1)
+        signals = benchmark.pedantic(deed, (bench,), rounds=20, warmup_rounds=1)
+    told = signals.samples if isinstance(signals, SoundSignals) else signals.image
+    assert np.ptp(told) > 0, "silence, or an image of nothing"
 
 
 def explore_once(seed: int) -> int:
@@ -124,7 +126,7 @@ def test_exploration(benchmark: Fixture) -> None:
 def processor_s(seed: int) -> float:
     """Processor time of an exploration [s]: however many others want the processors, it stays the same."""
     start = process_time()
-    explore_once(seed)
+    assert explore_once(seed) == 5
     return process_time() - start
 
 

@@ -12,6 +12,7 @@ import pytest
 
 from benchmarks.made_up import fill, new_store
 from palpate.store.archive import export_archive
+from palpate.store.opening import open_store
 
 Fixture = Any  # pytest-benchmark's fixture
 COUNT = int(os.environ.get("PALPATE_BENCH_IMPORT", "100000"))
@@ -51,6 +52,8 @@ def test_import(benchmark: Fixture, archive: Path, tmp_path: Path) -> None:
         assert done.returncode == 0, done.stderr + done.stdout
 
     benchmark.pedantic(run, rounds=1)
+    with open_store(tmp_path / "store.sqlite") as store, store.engine.connect() as connection:
+        assert connection.exec_driver_sql("SELECT count(*) FROM recordings").scalar_one() == COUNT
     peak_mb = int((tmp_path / ".peak").read_text()) * 1024 / 1e6
     what = f"store import, one of {COUNT:,}"
     benchmark.extra_info.update(what=what, each=COUNT, peak_mb=peak_mb, target_mb=TARGET_MB)

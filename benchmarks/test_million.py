@@ -16,7 +16,7 @@ import pytest
 
 from benchmarks.made_up import fill, new_store
 from palpate.store.filters import Filter
-from palpate.store.listing import list_recordings
+from palpate.store.listing import Page, list_recordings
 from palpate.store.store import Store
 from palpate.store.summary import objects_by_properties
 
@@ -50,7 +50,7 @@ def stores(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stores]:
         yield stores
 
 
-def measure(benchmark: Fixture, stores: Stores, what: str, ask: Callable[[Store], object]) -> None:
+def measure(benchmark: Fixture, stores: Stores, what: str, ask: Callable[[Store], Page]) -> None:
     """Time the larger store; its target comes from the smaller one in the same run."""
     taken = []
     for _ in range(100):
@@ -58,7 +58,8 @@ def measure(benchmark: Fixture, stores: Stores, what: str, ask: Callable[[Store]
         ask(stores.few)
         taken.append(perf_counter() - start)
     benchmark.extra_info.update(what=f"store, {what} of 1,000,000", target_s=FACTOR * median(taken))
-    benchmark.pedantic(ask, (stores.many,), rounds=100, warmup_rounds=5)
+    found = benchmark.pedantic(ask, (stores.many,), rounds=100, warmup_rounds=5)
+    assert len(found.rows) == 50
 
 
 def test_list(benchmark: Fixture, stores: Stores) -> None:

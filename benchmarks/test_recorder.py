@@ -52,10 +52,12 @@ def test_call(benchmark: Fixture, tmp_path: Path, sync: bool, signals: bool) -> 
     least = LeastSpool(tmp_path / "least", written(tmp_path / "once"), sync=sync)
     kept = "3 channels" if signals else "nothing kept"
     what = f"@record, {kept}, {'with' if sync else 'no'} fsync"
-    call = measuring(Spool(tmp_path / "spool", sync=sync), signals=signals)
+    spool = Spool(tmp_path / "spool", sync=sync)
+    call = measuring(spool, signals=signals)
     taken = list[float]()
     # in turn, as other programs on the machine come and go
     benchmark.pedantic(call, setup=lambda: taken.append(least.seconds(len(taken))), rounds=COUNT)
+    assert len(spool.waiting()) == COUNT
     benchmark.extra_info.update(what=what, least_s=median(taken))
     if not (sync or signals):
         benchmark.extra_info["target_s"] = TARGET_S

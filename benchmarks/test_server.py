@@ -5,6 +5,7 @@ that it is on the disk. The clients run beside it on the same processors. What i
 and the server's answer to `/health`, which is a question to the database and nothing else.
 """
 
+import json
 import uuid
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -48,6 +49,9 @@ def test_single_uploads(benchmark: Fixture, tmp_path: Path, kind: str, clients: 
 
         benchmark.pedantic(upload, setup=setup, rounds=ROUNDS)
         benchmark.extra_info["least_s"] = median(commits)
+        with Asking(address, token) as asking:
+            for one in owned(UPLOADS * (ROUNDS - 1), 3):
+                assert asking.get(f"{API}/recordings/{one.digest}")[0] == 200
 
 
 @pytest.mark.parametrize("form", ["lines", "packages"])
@@ -112,7 +116,24 @@ def test_questions(benchmark: Fixture, large: tuple[str, str, Any], what: str) -
             asking.get("/health")
             taken.append(perf_counter() - start)
         benchmark.extra_info.update(what=f"server, {what} of {MANY:,}", target_s=target_s, least_s=median(taken))
-        benchmark.pedantic(lambda: asking.get(path, accept="text/html"), rounds=30, warmup_rounds=3)
+        found = benchmark.pedantic(lambda: asking.get(path, accept="text/html"), rounds=30, warmup_rounds=3)
+    check(path, *found)
+
+
+def check(path: str, status: int, body: bytes) -> None:
+    """An answer must be of what was asked for: 50 recordings that fit, or a page that names the object."""
+    assert status == 200
+    if not path.startswith(API):
+        assert (b"object13" if path.startswith("/objects") else b"object0") in body
+        return
+    items = json.loads(body)["items"]
+    assert len(items) == 50
+    if "gripper=" in path:
+        assert {item["gripper"] for item in items} == {"gripper3"}
+    if "object13" in path:
+        assert {item["object"]["name"] for item in items} == {"object13"}
+    if "property=" in path:
+        assert {entry["property"] for item in items for entry in item["entries"]} == {"mass"}
 
 
 def test_memory(benchmark: Fixture, large: tuple[str, str, Any]) -> None:

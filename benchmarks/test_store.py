@@ -18,6 +18,7 @@ import pytest
 from benchmarks.least import BareCommits, LeastPuts
 from benchmarks.made_up import BATCH, new_store, recordings
 from palpate.store.records import Recording
+from palpate.store.store import Store
 from tests.store.places import POSTGRESQL
 
 Fixture = Any  # pytest-benchmark's fixture
@@ -27,6 +28,7 @@ SINGLE, ROUNDS = 500, 10
 
 def in_rounds(
     benchmark: Fixture,
+    store: Store,
     put: Callable[[list[Recording]], object],
     beside: Mapping[str, Callable[[list[Recording]], float]],
     *,
@@ -35,15 +37,20 @@ def in_rounds(
 ) -> dict[str, float]:
     """Time rounds of new recordings, and before each what it is compared with; the medians of that [s]."""
     first, others = iter(range(0, 10**7, count)), {name: list[float]() for name in beside}
+    last = list[Recording]()
 
     def setup() -> tuple[tuple[list[Recording]], dict[str, Any]]:
         made = recordings(next(first), count)
         for name, seconds in beside.items():
             # its digest is taken once, so that of the others must be of a copy
             others[name].append(seconds([replace(one) for one in made]))
+        last[:] = [replace(one) for one in made]
         return (made,), {}
 
     benchmark.pedantic(put, setup=setup, rounds=rounds)
+    digests = {one.digest for one in last}
+    assert len(digests) == count
+    assert store.known(digests) == digests
     return {name: median(found) for name, found in others.items()}
 
 
@@ -57,7 +64,7 @@ def test_one_transaction_each(benchmark: Fixture, tmp_path: Path, durable: bool)
         least = LeastPuts(stack, tmp_path, at_once=1, durable=durable)
         bare = BareCommits(stack, tmp_path / "bare.sqlite")
         beside = {"least": least.seconds, "bare": bare.seconds}
-        found = in_rounds(benchmark, lambda made: [store.put(one) for one in made], beside, count=SINGLE)
+        found = in_rounds(benchmark, store, lambda made: [store.put(one) for one in made], beside, count=SINGLE)
     target = found["bare"] / 0.4 if durable else 1 / 2000
     benchmark.extra_info.update(target_s=target, least_s=found["least"])
 
@@ -70,7 +77,9 @@ def test_one_transaction_each_on_postgresql(benchmark: Fixture, tmp_path: Path) 
         store.put_many(recordings(10**7, 5))
         assert POSTGRESQL is not None
         beside = {"bare": BareCommits(stack, POSTGRESQL).seconds}
-        found = in_rounds(benchmark, lambda made: [store.put(one) for one in made], beside, count=SINGLE, rounds=4)
+        found = in_rounds(
+            benchmark, store, lambda made: [store.put(one) for one in made], beside, count=SINGLE, rounds=4
+        )
     benchmark.extra_info["least_s"] = found["bare"]
 
 
@@ -80,7 +89,7 @@ def test_batches(benchmark: Fixture, tmp_path: Path) -> None:
     with ExitStack() as stack:
         store = stack.enter_context(new_store("sqlite", tmp_path))
         least = LeastPuts(stack, tmp_path, at_once=BATCH, durable=False)
-        found = in_rounds(benchmark, store.put_many, {"least": least.seconds}, count=BATCH)
+        found = in_rounds(benchmark, store, store.put_many, {"least": least.seconds}, count=BATCH)
     benchmark.extra_info["least_s"] = found["least"]
 
 
@@ -88,4 +97,4 @@ def test_batches_on_postgresql(benchmark: Fixture, tmp_path: Path) -> None:
     """Recordings put into PostgreSQL a thousand at a time."""
     benchmark.extra_info.update(what="store, one of a batch, PostgreSQL", each=BATCH)
     with new_store("postgresql", tmp_path) as store:
-        in_rounds(benchmark, store.put_many, {}, count=BATCH)
+        in_rounds(benchmark, store, store.put_many, {}, count=BATCH)
