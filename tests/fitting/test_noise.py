@@ -11,7 +11,8 @@ from palpate.fitting.noise import HEAVY, NORMAL_OVER_HEAVY, fit_noise
 from palpate.fitting.readings import readings_of
 from palpate.fitting.shared_offsets import log_likelihood
 from palpate.network.admission import AdmittedOutcome
-from palpate.network.sensors import NormalNoise, NumberSensor, StudentTNoise
+from palpate.network.noises import NormalNoise, StudentTNoise
+from palpate.network.sensors import NumberSensor
 from palpate.outcomes import Above, Below, Reading
 
 SENSOR = NumberSensor("mass", 6.0)

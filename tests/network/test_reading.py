@@ -9,9 +9,10 @@ import pytest
 from scipy import stats
 
 from palpate.network import reading
+from palpate.network.noises import StudentTNoise
 from palpate.network.properties import CategoricalProperty, ContinuousProperty, DerivedProperty
 from palpate.network.reading import load_network, shipped_networks
-from palpate.network.sensors import ConfusionSensor, NumberSensor, StudentTNoise
+from palpate.network.sensors import ConfusionSensor, NumberSensor
 
 
 def written(folder: Path, text: str, name: str = "net.toml") -> Path:

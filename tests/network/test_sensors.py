@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import integrate, stats
 
-from palpate.network.sensors import ConfusionSensor, Noise, NormalNoise, NumberSensor, StudentTNoise
+from palpate.network.noises import Noise, NormalNoise, StudentTNoise
+from palpate.network.sensors import ConfusionSensor, NumberSensor
 from palpate.outcomes import Above, Below, Reading
 
 TABLE = np.array([[0.7, 0.2, 0.0], [0.2, 0.5, 0.1], [0.1, 0.3, 0.9]])

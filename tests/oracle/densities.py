@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from palpate.network.families import Family, Gamma, LogNormal, Normal, StudentT, Uniform
-from palpate.network.sensors import NumberSensor, StudentTNoise
+from palpate.network.noises import StudentTNoise
+from palpate.network.sensors import NumberSensor
 
 Array = NDArray[np.float64]
 Density = Callable[[Array], Array]

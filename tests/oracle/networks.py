@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from palpate.network.families import Family, Gamma, LogNormal, Normal, StudentT, Uniform
 from palpate.network.formula import Formula
 from palpate.network.model import Action, Network
+from palpate.network.noises import StudentTNoise
 from palpate.network.properties import CategoricalProperty, ContinuousProperty, DerivedProperty, Property
-from palpate.network.sensors import ConfusionSensor, NumberSensor, Sensor, StudentTNoise
+from palpate.network.sensors import ConfusionSensor, NumberSensor, Sensor
 from tests.oracle.brute_force import Oracle
 from tests.oracle.groups import product, total
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.network.sensors import NumberSensor, StudentTNoise
+from palpate.network.noises import StudentTNoise
+from palpate.network.sensors import NumberSensor
 from tests.oracle import densities
 from tests.oracle.evidence import Item
 from tests.oracle.grids import walk

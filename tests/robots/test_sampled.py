@@ -9,9 +9,10 @@ from palpate.errors import EvidenceError
 from palpate.network.families import LogNormal
 from palpate.network.formula import Formula
 from palpate.network.model import Action, KnownObject, Network, TrueValue
+from palpate.network.noises import StudentTNoise
 from palpate.network.properties import CategoricalProperty, ContinuousProperty, DerivedProperty
 from palpate.network.reading import load_network
-from palpate.network.sensors import ConfusionSensor, NumberSensor, StudentTNoise
+from palpate.network.sensors import ConfusionSensor, NumberSensor
 from palpate.outcomes import Above, Below, Label, Reading
 from palpate.robots.contract import RobotContract
 from palpate.robots.sampled import SampledRobot

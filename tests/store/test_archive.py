@@ -18,8 +18,8 @@ from palpate.store.importing.intake import import_paths
 from palpate.store.importing.items import Fate
 from palpate.store.importing.own_formats import Archives
 from palpate.store.keeping_episodes import get_episode, put_episode
-from palpate.store.listing import ids_matching
 from palpate.store.listing_episodes import list_episodes
+from palpate.store.matching import ids_matching
 from palpate.store.opening import open_store
 from palpate.store.reading_archive import archive_rows, read_archive
 from palpate.store.records import FileItem, Recording

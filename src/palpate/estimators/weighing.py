@@ -13,16 +13,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.estimators.signals import EstimatorError, SignalError, correlation_factor, samples, together
+from palpate.estimators.holds import CheckedHold, Hold
+from palpate.estimators.mass_equations import equations, least_squares
+from palpate.estimators.signals import EstimatorError, SignalError
 from palpate.outcomes import Failed, Reading
 
 __all__ = ["PAYLOAD_KG", "Hold", "Weighing", "weigh"]
 
-GRAVITY_M_S2 = 9.80665
-LEAST_SAMPLES = 5
-LONGEST_M = 10.0
-LEFT_BY_STEP, STEP_SDS = 0.5, 6.0
-"""A hold steps where two levels leave this share of the squares that a line leaves, and differ by so many SDs."""
 RESOLUTION_NM = 0.005
 """Of a good arm's torque sensors: about a gram at half a metre."""
 PAYLOAD_KG = 4.5
@@ -31,34 +28,6 @@ BELOW_ZERO_SDS = 4.0
 APART_SDS = 6.0
 """Joints that are further apart than this, or agree only about a grasp that is so far off, cannot all be right."""
 ROUNDS = 3
-
-
-@dataclass(frozen=True, eq=False)
-class Hold:
-    """Torques of one joint at one pose, with the object and without.
-
-    Attributes
-    ----------
-    torque_nm, empty_torque_nm
-        Samples [Nm], (n,) and (k,): while the object is held, and at the same pose with the empty, closed gripper.
-    lever_m
-        Horizontal distance [m] of the nominal grasp from the joint's axis; its sign says which way the torque goes.
-    time_s, empty_time_s
-        When the samples were taken [s], on one clock for all holds; needed where drift is estimated.
-    lever_per_offset
-        By how much the lever changes with the offset of the grasp along the gripper's axis; the cosine of the angle
-        between that axis and the horizontal.
-    joint
-        Joints drift each for itself.
-    """
-
-    torque_nm: NDArray[np.float64]
-    empty_torque_nm: NDArray[np.float64]
-    lever_m: float
-    time_s: NDArray[np.float64] | None = None
-    empty_time_s: NDArray[np.float64] | None = None
-    lever_per_offset: float = 1.0
-    joint: str = ""
 
 
 @dataclass(frozen=True)
@@ -134,7 +103,7 @@ def weigh(
     if not payload_kg > 0:
         raise EstimatorError(f"payload_kg: found {payload_kg}, expected a number above 0")
     try:
-        parts = [_Part.of(place, hold, drifts, resolution_nm) for place, hold in enumerate(holds)]
+        parts = [CheckedHold.of(place, hold, drifts, resolution_nm) for place, hold in enumerate(holds)]
         found = _solved(parts, grasp_sd_m, drifts, resolution_nm)
         if found.mass_g > 1e3 * payload_kg:
             raise SignalError(
@@ -146,73 +115,11 @@ def weigh(
         return Weighing(Failed(str(error)))
 
 
-@dataclass(frozen=True, eq=False)
-class _Part:
-    """A hold that was checked."""
-
-    full: NDArray[np.float64]
-    empty: NDArray[np.float64]
-    full_s: NDArray[np.float64]
-    empty_s: NDArray[np.float64]
-    lever_m: float
-    per_offset: float
-    joint: str
-
-    @classmethod
-    def of(cls, place: int, hold: Hold, drifts: bool, resolution_nm: float) -> _Part:
-        where = f"holds[{place}]"
-        # longer than any arm: the lever is in millimetres
-        if not 1e-3 < abs(hold.lever_m) < LONGEST_M:
-            raise EstimatorError(f"{where}.lever_m: found {hold.lever_m}, expected 0.001 to {LONGEST_M:g} metres")
-        if not np.isfinite(hold.lever_per_offset):
-            raise EstimatorError(f"{where}.lever_per_offset: found {hold.lever_per_offset}, expected a finite number")
-        full = samples(f"{where}.torque_nm", hold.torque_nm, at_least=LEAST_SAMPLES, may_clip=False)
-        empty = samples(f"{where}.empty_torque_nm", hold.empty_torque_nm, at_least=LEAST_SAMPLES, may_clip=False)
-        if np.ptp(full) == 0.0:
-            raise SignalError(f"{where}.torque_nm: all {full.size} samples are {full[0]:g}: the sensor does not answer")
-        _check_steady(f"{where}.torque_nm", full, resolution_nm)
-        full_s = _stamps(f"{where}.time_s", hold.time_s, full, drifts)
-        empty_s = _stamps(f"{where}.empty_time_s", hold.empty_time_s, empty, drifts)
-        return cls(full, empty, full_s, empty_s, hold.lever_m, hold.lever_per_offset, hold.joint)
-
-
-def _stamps(
-    where: str, given: NDArray[np.float64] | None, values: NDArray[np.float64], drifts: bool
-) -> NDArray[np.float64]:
-    if given is None:
-        if drifts:
-            raise EstimatorError(f"{where}: is not given, expected time stamps where drift is estimated")
-        return np.zeros(values.size)
-    found = samples(where, given)
-    together(**{where: found, where.replace("time_s", "torque_nm"): values})
-    return found
-
-
-def _check_steady(where: str, values: NDArray[np.float64], resolution_nm: float) -> None:
-    """Refuse a hold whose level steps: two levels explain it far better than a line does."""
-    count = values.size
-    if count < 2 * LEAST_SAMPLES:
-        return
-    before = np.arange(LEAST_SAMPLES, count - LEAST_SAMPLES + 1)
-    sums, squares = np.cumsum(values - values.mean()), float(np.sum((values - values.mean()) ** 2))
-    # the sum is zero: (sum before)^2 / n_before + (sum after)^2 / n_after is what the two levels explain
-    explained = sums[before - 1] ** 2 * (1 / before + 1 / (count - before))
-    best = int(np.argmax(explained))
-    left = squares - float(explained[best])
-    line = np.polynomial.Polynomial.fit(np.arange(count), values, 1)
-    of_line = float(np.sum((values - line(np.arange(count))) ** 2))
-    step = float(values[before[best] :].mean() - values[: before[best]].mean())
-    noise = np.sqrt(max(left, 0.0) / (count - 2))
-    least = max(STEP_SDS * noise / np.sqrt(LEAST_SAMPLES), resolution_nm)
-    if left < LEFT_BY_STEP * of_line and abs(step) > least:
-        raise SignalError(f"{where}: the torque steps by {step:+.3g} Nm while the object is held: it slipped or fell")
-
-
-def _solved(parts: Sequence[_Part], grasp_sd_m: float, drifts: bool, resolution_nm: float) -> Weighing:
+def _solved(parts: Sequence[CheckedHold], grasp_sd_m: float, drifts: bool, resolution_nm: float) -> Weighing:
     """Generalised least squares; the SD of the lever's change depends on the mass, so that is done again with it."""
-    rows, torques, variances = _equations(parts, drifts)
+    rows, torques, variances = equations(parts, drifts)
     weights = 1 / np.sqrt(variances)
-    alone = _least_squares(np.delete(rows, 1, axis=1) * weights[:, None], torques * weights)
+    alone = least_squares(np.delete(rows, 1, axis=1) * weights[:, None], torques * weights)
     mass_kg, covariance, solution = alone[0][0], alone[1], alone[0]
     noise_sd_kg = float(np.sqrt(covariance[0, 0]))
     if grasp_sd_m > 0:
@@ -222,7 +129,7 @@ def _solved(parts: Sequence[_Part], grasp_sd_m: float, drifts: bool, resolution_
             prior = np.zeros(rows.shape[1])
             prior[1] = 1 / sd
             system = np.vstack([rows * weights[:, None], prior])
-            solution, covariance = _least_squares(system, np.append(torques * weights, 0.0))
+            solution, covariance = least_squares(system, np.append(torques * weights, 0.0))
             mass_kg = solution[0]
     _check_agreement(parts, rows, torques, variances, solution, grasp_sd_m, resolution_nm)
     sd_kg = float(np.sqrt(covariance[0, 0]))
@@ -241,7 +148,7 @@ def _solved(parts: Sequence[_Part], grasp_sd_m: float, drifts: bool, resolution_
 
 
 def _check_agreement(
-    parts: Sequence[_Part],
+    parts: Sequence[CheckedHold],
     rows: NDArray[np.float64],
     torques: NDArray[np.float64],
     variances: NDArray[np.float64],
@@ -268,49 +175,3 @@ def _check_agreement(
                 f"holds[{place}]: {apart:+.3g} Nm are left that no mass explains: the joints do not agree"
             )
         start = end
-
-
-def _equations(
-    parts: Sequence[_Part], drifts: bool
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Rows (n, p), torques (n) and their variances (n): mass, mass x offset, a zero per part, a drift per joint."""
-    joints = list(dict.fromkeys(part.joint for part in parts))
-    count = 2 + len(parts) + (len(joints) if drifts else 0)
-    start = min(min(part.full_s.min(), part.empty_s.min()) for part in parts)
-    rows, torques, variances = [], [], []
-    for place, part in enumerate(parts):
-        for held, values, stamps in ((1.0, part.full, part.full_s), (0.0, part.empty, part.empty_s)):
-            row = np.zeros((values.size, count))
-            row[:, 0] = held * GRAVITY_M_S2 * part.lever_m
-            row[:, 1] = held * GRAVITY_M_S2 * part.per_offset
-            row[:, 2 + place] = 1.0
-            if drifts:
-                row[:, 2 + len(parts) + joints.index(part.joint)] = stamps - start
-            rows.append(row)
-            torques.append(values)
-            variances.append(np.full(values.size, _variance(values, stamps, drifts)))
-    return np.vstack(rows), np.concatenate(torques), np.concatenate(variances)
-
-
-def _variance(values: NDArray[np.float64], stamps: NDArray[np.float64], drifts: bool) -> float:
-    """Variance of a sample about its level, as large as if samples that resemble their neighbours were independent."""
-    residuals, fitted = values - values.mean(), 1
-    if drifts and np.ptp(stamps) > 0:
-        residuals, fitted = values - np.polynomial.Polynomial.fit(stamps, values, 1)(stamps), 2
-    power = float(residuals @ residuals)
-    # a resting sensor is no surer than the last digit of a number
-    least = (1e-9 * max(1.0, float(np.abs(values).max()))) ** 2
-    return max(power / (values.size - fitted), least) * correlation_factor(residuals, fitted=fitted)
-
-
-def _least_squares(
-    rows: NDArray[np.float64], values: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The solution, (p), and its covariance, (p, p); EstimatorError where the poses do not determine it."""
-    # columns of one length: masses and torques differ by orders of magnitude
-    scale = np.linalg.norm(rows, axis=0)
-    if not np.all(scale > 0) or np.linalg.matrix_rank(rows / scale) < rows.shape[1]:
-        raise EstimatorError("holds: poses and times do not tell mass, zero and drift apart, expected them to differ")
-    inverse = np.linalg.inv((rows / scale).T @ (rows / scale))
-    solution = inverse @ ((rows / scale).T @ values)
-    return solution / scale, inverse / np.outer(scale, scale)

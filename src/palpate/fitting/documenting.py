@@ -17,8 +17,9 @@ from palpate.fitting.scores import Score
 from palpate.fitting.settings import Settings
 from palpate.fitting.template import PLACEHOLDERS, Template
 from palpate.network.model import Network
+from palpate.network.noises import NormalNoise
 from palpate.network.properties import CategoricalProperty, ContinuousProperty
-from palpate.network.sensors import ConfusionSensor, NormalNoise, NumberSensor
+from palpate.network.sensors import ConfusionSensor, NumberSensor
 
 __all__ = ["Provenance", "document"]
 

@@ -22,7 +22,8 @@ from palpate.fitting.parts import Bias, SensorPart
 from palpate.fitting.readings import Readings, readings_of
 from palpate.fitting.robust import FEWEST, LEAST, SURE, resolution
 from palpate.fitting.shared_offsets import log_likelihood
-from palpate.network.sensors import NumberSensor, StudentTNoise
+from palpate.network.noises import StudentTNoise
+from palpate.network.sensors import NumberSensor
 
 __all__ = ["TOO_FEW", "fit_noise"]
 

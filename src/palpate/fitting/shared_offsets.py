@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 from scipy import special
 
 from palpate.fitting.readings import Readings
-from palpate.network.sensors import NormalNoise, NumberSensor, offset_nodes
+from palpate.network.noises import NormalNoise, offset_nodes
+from palpate.network.sensors import NumberSensor
 
 __all__ = ["log_likelihood"]
 

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from scipy import special
 
 from palpate.inference.mesh import ORDER, WIDTH, Mesh
-from palpate.network.sensors import Kernel, NormalNoise, NumberOutcome, NumberSensor, StudentTNoise
+from palpate.network.noises import Kernel, NormalNoise, StudentTNoise
+from palpate.network.sensors import NumberOutcome, NumberSensor
 
 __all__ = ["OUTCOME", "NumberChannel", "Tables", "reading_ends", "reading_mesh", "reading_mesh_again"]
 

@@ -21,7 +21,8 @@ from palpate.inference.mesh import ORDER, WIDTH, Mesh
 from palpate.inference.readings import GroupBelief
 from palpate.inference.tensors import Table
 from palpate.inference.window import EDGE_NODES, REACH, SLACK, crowding
-from palpate.network.sensors import NormalNoise, NumberSensor
+from palpate.network.noises import NormalNoise
+from palpate.network.sensors import NumberSensor
 from palpate.outcomes import Reading
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.network.sensors import Kernel
+from palpate.network.noises import Kernel
 
 __all__ = ["LabelPrediction", "NumberPrediction"]
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from palpate.inference.axes import ALONE
 from palpate.inference.mesh import WIDTH, Mesh
-from palpate.network.sensors import NormalNoise, NumberOutcome, NumberSensor
+from palpate.network.noises import NormalNoise
+from palpate.network.sensors import NumberOutcome, NumberSensor
 from palpate.outcomes import Above, Reading
 
 __all__ = ["EDGE_MASS", "EDGE_NODES", "FAINT", "Readings", "Window", "crowding", "cut", "resolve"]

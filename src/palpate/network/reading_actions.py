@@ -10,10 +10,11 @@ import numpy as np
 from palpate.errors import choices
 from palpate.network.document import Section, unknown
 from palpate.network.model import Action
+from palpate.network.noises import NormalNoise, StudentTNoise
 from palpate.network.properties import CategoricalProperty, Property
 from palpate.network.reading_counts import check_counts, check_tallies
 from palpate.network.reading_tables import read_columns, read_csv
-from palpate.network.sensors import ConfusionSensor, NormalNoise, NumberSensor, Sensor, StudentTNoise
+from palpate.network.sensors import ConfusionSensor, NumberSensor, Sensor
 
 __all__ = ["SENSORS", "read_actions"]
 

@@ -8,7 +8,7 @@ from palpate.outcomes import Reading
 from palpate.recording.results import outcome_in
 from palpate.robots.session import Recording, Session
 from palpate.store.filters import Filter, Sort
-from palpate.store.listing import ids_matching
+from palpate.store.matching import ids_matching
 from palpate.store.records import Recording as StoredRecording
 from palpate.store.store import Store
 from palpate.store.things import find_thing

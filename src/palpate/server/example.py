@@ -28,8 +28,8 @@ from palpate.store.describing import change_thing
 from palpate.store.entries import Distribution, Entry, Value
 from palpate.store.filters import Filter
 from palpate.store.importing.own_formats import EXAMPLE
-from palpate.store.listing import ids_matching
 from palpate.store.listing_episodes import list_episodes
+from palpate.store.matching import ids_matching
 from palpate.store.reading_archive import archive_rows
 from palpate.store.records import Device, Setup, ThingRef
 from palpate.store.store import Store

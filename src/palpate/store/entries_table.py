@@ -16,7 +16,8 @@ from palpate.store.errors import DamagedError, IncompleteError
 from palpate.store.fetching import read_rows
 from palpate.store.filters import Filter, Sort
 from palpate.store.legible import legible, reading
-from palpate.store.listing import Damaged, in_order, matching
+from palpate.store.listing import Damaged
+from palpate.store.matching import in_order, matching
 from palpate.store.rows import counted, entry_columns
 from palpate.store.seals import recording_name, sealed_document
 from palpate.store.store import Store

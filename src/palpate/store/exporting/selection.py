@@ -18,7 +18,7 @@ from palpate.store.embargo import embargo_of
 from palpate.store.errors import DamagedError
 from palpate.store.fetching import Broken, read_each, setup_of
 from palpate.store.filters import Filter, Sort
-from palpate.store.listing import matching
+from palpate.store.matching import matching
 from palpate.store.records import Recording, Setup, ThingRef, visibility_now
 from palpate.store.registry import thing_of
 from palpate.store.seals import sealed_document
