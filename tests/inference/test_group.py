@@ -9,7 +9,8 @@ import pytest
 
 from palpate.errors import EvidenceError
 from palpate.inference.exact import ExactBelief
-from palpate.inference.group import Group, groups_of
+from palpate.inference.group import Group
+from palpate.inference.grouping import groups_of
 from palpate.inference.marginals import ContinuousMarginal
 from palpate.network.families import LogNormal, Normal, Uniform
 from palpate.network.formula import Formula

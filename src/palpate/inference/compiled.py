@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from palpate.errors import NetworkError
 from palpate.inference.belief import Objective
-from palpate.inference.group import Group, groups_of
+from palpate.inference.group import Group
+from palpate.inference.grouping import groups_of
 from palpate.inference.readings import GroupBelief
 from palpate.inference.targets import Target
 from palpate.inference.tensors import Table

@@ -17,6 +17,7 @@ from palpate.inference.compiled import Compiled, compiled
 from palpate.inference.gains import expected_gains
 from palpate.inference.marginals import CategoricalMarginal, ContinuousMarginal
 from palpate.inference.mesh import Mesh
+from palpate.inference.predicting import predict, surprise
 from palpate.inference.predictions import LabelPrediction, NumberPrediction
 from palpate.inference.readings import GroupBelief
 from palpate.inference.realised import realised_gain
@@ -33,8 +34,6 @@ from palpate.outcomes import Above, Below, Failed, Label, Outcome, Reading
 __all__ = ["ExactBelief"]
 
 Array = NDArray[np.float64]
-
-SURE = 1 - 1e-6
 
 
 class ExactBelief:
@@ -313,16 +312,7 @@ class ExactBelief:
 
     def predict(self, action: str, sd: float | None = None) -> LabelPrediction | NumberPrediction:
         """The distribution of an action's outcome before it is taken; `sd` replaces the sensor's noise."""
-        sensor = self.network.action(action).sensor
-        if isinstance(sensor, ConfusionSensor):
-            table = sensor.predictive(self.labels_of(action))
-            return LabelPrediction(sensor.outcomes, np.asarray(table @ self.categorical((sensor.property,)).values))
-        mesh, masses = self.mesh(sensor.property), self.masses(sensor.property)
-        nodes, finer = mesh.nodes, mesh.finer(sensor.scale(mesh.nodes, sd))
-        if finer is not None:
-            nodes, masses = finer.spread(masses)
-        kernel = sensor.predictive(self.outcomes_of(action), nodes, sd)
-        return NumberPrediction(kernel, masses, sensor.low, sensor.high)
+        return predict(self, action, sd)
 
     def log2_predictive(self, action: str, outcome: Outcome | AdmittedOutcome) -> float:
         """log2 of the probability, or density per unit of the property, of an outcome; 0 for a failed one."""
@@ -334,28 +324,7 @@ class ExactBelief:
         None for vectors and failed readings. Labels: the sum over labels no more probable.
         Readings: min(1, 2 min(P(Y <= y), P(Y >= y))), saturated readings ranking outermost.
         """
-        admitted = admit(self.network, action, outcome).outcome
-        match admitted:
-            case Label(label):
-                prediction = self.predict(action)
-                assert isinstance(prediction, LabelPrediction)
-                p = prediction.probabilities
-                seen = p[prediction.outcomes.index(label)]
-                return float(min(1.0, p[p <= seen * (1 + 1e-9)].sum()))
-            case Reading(value, sd):
-                below = self._tail(action, Below(value, sd))
-                # The other tail by subtraction, but where that would cancel.
-                above = 1 - below if below < SURE else self._tail(action, Above(value, sd))
-                return min(1.0, 2 * min(below, above))
-            case Above() | Below():
-                return min(1.0, 2 * self._tail(action, admitted))
-        return None
-
-    def _tail(self, action: str, bound: Above | Below) -> float:
-        try:
-            return float(2.0 ** self.log2_predictive(action, bound))
-        except ImpossibleEvidenceError:
-            return 0.0
+        return surprise(self, action, outcome)
 
     def sample(self, n: int, rng: np.random.Generator) -> dict[str, Array | NDArray[np.str_]]:
         """n draws of all properties together; derived ones follow from the others."""
