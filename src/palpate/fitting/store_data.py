@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from datetime import timedelta
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -24,7 +23,7 @@ from palpate.store import schema
 from palpate.store.content import entry_plain, to_json
 from palpate.store.filters import Filter
 from palpate.store.legible import legible, reading
-from palpate.store.rows import EPOCH
+from palpate.store.rows import moment_at
 from palpate.store.seals import recording_name
 from palpate.store.store import Store
 
@@ -72,7 +71,7 @@ def read_store(store: Store, network: Network, wanted: Filter | None = None) -> 
             moments.append(row.recorded_us)
     for digest in sorted(recordings):
         hashed.update(digest)
-    ends = [(EPOCH + timedelta(microseconds=us)).isoformat() for us in (min(moments), max(moments))] if moments else []
+    ends = [moment_at(us).isoformat() for us in (min(moments), max(moments))] if moments else []
     source = Source("store", _place(store), hashed.hexdigest(), len(recordings), *ends)
     return gathered.data([source])
 

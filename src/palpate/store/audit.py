@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import datetime
 from typing import Any
 
 from sqlalchemy import Connection, Select, insert, select, update
@@ -18,7 +18,7 @@ from palpate.store.errors import StoreError
 from palpate.store.legible import legible, reading
 from palpate.store.records import ThingRef
 from palpate.store.registry import now_us, thing_of
-from palpate.store.rows import EPOCH
+from palpate.store.rows import moment_at
 from palpate.store.store import Store
 from palpate.store.things import is_thing
 
@@ -109,12 +109,12 @@ def _change(row: Row) -> Change:
     undone = row[audit.undone_us]
     with legible(f"the audit of object {thing.dataset}/{thing.id}"):
         return Change(
-            at=_moment(row[audit.at_us]),
+            at=moment_at(row[audit.at_us]),
             who=row[audit.who],
             what=row[audit.what],
             thing=thing,
             detail=_checked(json.loads(row[audit.detail])),
-            undone_at=None if undone is None else _moment(undone),
+            undone_at=None if undone is None else moment_at(undone),
             undone_by=row[audit.undone_by],
         )
 
@@ -127,7 +127,3 @@ def _checked(detail: Any) -> Any:
             entry_from(side)
     "/".join(detail.get("into", ()) if isinstance(detail, dict) else ())
     return detail
-
-
-def _moment(us: int) -> datetime:
-    return EPOCH + timedelta(microseconds=us)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from datetime import datetime, timedelta
+from datetime import datetime
 from typing import TYPE_CHECKING, TypeVar
 
 from sqlalchemy import ColumnElement, Table, and_, or_
 
 from palpate.store.content import in_utc
 from palpate.store.decoding import moment_from
-from palpate.store.rows import EPOCH, microseconds
+from palpate.store.rows import microseconds, moment_at
 
 if TYPE_CHECKING:
     from palpate.store.episodes import StoredEpisode
@@ -52,7 +52,7 @@ def embargo_of(us: int | None) -> datetime | None:
     >>> print(embargo_of(1_700_000_000_000_000))
     2023-11-14 22:13:20+00:00
     """
-    return None if us is None else EPOCH + timedelta(microseconds=us)
+    return None if us is None else moment_at(us)
 
 
 def is_over(table: Table, now_us: int) -> ColumnElement[bool]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import datetime
 from typing import Any
 from uuid import UUID
 
@@ -14,7 +14,7 @@ from sqlalchemy import select
 from palpate.store import schema
 from palpate.store.legible import legible, reading
 from palpate.store.records import ThingRef
-from palpate.store.rows import EPOCH
+from palpate.store.rows import moment_at
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
 from palpate.store.visible_things import rows_of
@@ -54,7 +54,7 @@ def final_beliefs(store: Store, viewer: Viewer, thing: ThingRef, *, limit: int =
         key = UUID(bytes=row.uuid)
         with legible(f"episode {key}"):
             told = json.loads(row.document)["record"].get("belief")
-            started_at = EPOCH + timedelta(microseconds=row.started_us)
+            started_at = moment_at(row.started_us)
         if isinstance(told, dict):
             belief = {name: one for name, one in told.items() if isinstance(one, dict)}
             found.append(FinalBelief(key, started_at, row.actions, belief))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import datetime
 from functools import cache
 from typing import TYPE_CHECKING, Any
 from uuid import UUID
@@ -21,7 +21,7 @@ from palpate.store.fetching import read_rows
 from palpate.store.filters import Cursor, Filter, Sort
 from palpate.store.legible import legible, reading
 from palpate.store.matching import in_order, matching
-from palpate.store.rows import EPOCH
+from palpate.store.rows import moment_at
 from palpate.store.seals import Named, sealed_document
 from palpate.store.store import Store
 from palpate.store.viewing import VisibleFilter
@@ -188,7 +188,7 @@ def _listed(row: Mapping[Any, Any], common_name: str | None) -> Listed:
             id=UUID(bytes=row["uuid"]),
             digest=row["digest"].hex(),
             recorded_at=moment_from(plain["recorded_at"]),
-            uploaded_at=EPOCH + timedelta(microseconds=row["uploaded_us"]),
+            uploaded_at=moment_at(row["uploaded_us"]),
             dataset=row["dataset"],
             thing=row["name"],
             entries=tuple(entry_from(entry) for entry in plain["entries"]),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import datetime
 from typing import Any
 from uuid import UUID
 
@@ -15,7 +15,7 @@ from palpate.store import schema
 from palpate.store.embargo import embargo_of
 from palpate.store.filters import Cursor, Sort, moment_us, things_named
 from palpate.store.legible import reading
-from palpate.store.rows import EPOCH
+from palpate.store.rows import moment_at
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
 from palpate.store.visible_words import seen_names
@@ -126,7 +126,7 @@ def _listed(row: Mapping[Any, Any], common_name: str | None) -> ListedEpisode:
     return ListedEpisode(
         id=UUID(bytes=row["uuid"]),
         digest=row["digest"].hex(),
-        started_at=EPOCH + timedelta(microseconds=row["started_us"]),
+        started_at=moment_at(row["started_us"]),
         thing=row["name"],
         common_name=common_name,
         embargoed_until=embargo_of(row["embargoed_us"]),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from datetime import datetime, timedelta
+from datetime import datetime
 from typing import Any
 from uuid import UUID
 
@@ -19,7 +19,7 @@ from palpate.store.fetching import from_row_or_blob, parsed_layout, setup_of
 from palpate.store.legible import reading
 from palpate.store.records import Pose, Series, Setup, ThingRef
 from palpate.store.registry import thing_of
-from palpate.store.rows import EPOCH
+from palpate.store.rows import moment_at
 from palpate.store.seals import sealed_document
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
@@ -104,7 +104,7 @@ def _head(row: Mapping[Any, Any]) -> Head:
         row=row[columns.id],
         id=UUID(bytes=row[columns.uuid]),
         digest=row[columns.digest].hex(),
-        uploaded_at=EPOCH + timedelta(microseconds=row[columns.uploaded_us]),
+        uploaded_at=moment_at(row[columns.uploaded_us]),
         visibility=row[columns.visibility],
         thing=thing_of({column.name: row[column] for column in schema.things.c}),
         setup=setup_of(row["setup_digest"], row["setup"]),

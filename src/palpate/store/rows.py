@@ -25,6 +25,7 @@ __all__ = [
     "gripper_of",
     "has_wrong_unit",
     "microseconds",
+    "moment_at",
     "prepare",
 ]
 
@@ -38,6 +39,17 @@ Row = dict[str, Any]
 def microseconds(moment: datetime) -> int:
     """A moment as it stands in the tables."""
     return (moment - EPOCH) // MICROSECOND
+
+
+def moment_at(us: int) -> datetime:
+    """The moment that stands in the tables as so many microseconds.
+
+    Examples
+    --------
+    >>> print(moment_at(1_700_000_000_000_000))
+    2023-11-14 22:13:20+00:00
+    """
+    return EPOCH + timedelta(microseconds=us)
 
 
 @dataclass(frozen=True)

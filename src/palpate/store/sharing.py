@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import datetime
 from typing import Any
 from uuid import UUID
 
@@ -25,7 +25,7 @@ from palpate.store.embargo import embargo_of, embargo_us
 from palpate.store.errors import StoreError
 from palpate.store.legible import legible, reading
 from palpate.store.records import VISIBILITIES, visibility_now
-from palpate.store.rows import EPOCH
+from palpate.store.rows import EPOCH, moment_at
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
 
@@ -218,5 +218,5 @@ def _change(row: Row, where: str) -> SharingChange:
     with legible(f"the audit of {where}"):
         detail = json.loads(row["detail"])
         before, after = (_from(detail[name]) for name in ("before", "after"))
-    at, undone = (None if us is None else EPOCH + timedelta(microseconds=us) for us in (row["at_us"], row["undone_us"]))
+    at, undone = (None if us is None else moment_at(us) for us in (row["at_us"], row["undone_us"]))
     return SharingChange(at or EPOCH, row["who"], before, after, undone, row["undone_by"])
