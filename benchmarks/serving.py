@@ -12,7 +12,8 @@ from time import perf_counter
 from typing import Any, Self
 
 from benchmarks.made_up import recordings
-from palpate.server.security.accounts import Role, add_user, issue
+from palpate.server.security.accounts import Role, add_user
+from palpate.server.security.tokens import issue
 from palpate.store.opening import open_store
 from palpate.store.records import Recording
 from tests.server.packages import package

@@ -5,9 +5,11 @@ from pathlib import Path
 import pytest
 
 from palpate.cli import main
-from palpate.server.security.accounts import Account, Role, account_of, log_in, users
+from palpate.server.security.accounts import Account, Role, users
 from palpate.server.security.identities import account_name
+from palpate.server.security.logging_in import log_in
 from palpate.server.security.single_sign_on import Identity
+from palpate.server.security.tokens import account_of
 from palpate.store.opening import open_store
 
 

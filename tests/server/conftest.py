@@ -5,7 +5,8 @@ import pytest
 from fastapi.testclient import TestClient
 
 from palpate.server.app import application
-from palpate.server.security.accounts import Role, add_user, issue
+from palpate.server.security.accounts import Role, add_user
+from palpate.server.security.tokens import issue
 from palpate.server.settings import Settings
 from palpate.store.blobs import FolderBlobs
 from palpate.store.opening import open_store

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from palpate.server.example import add_example
-from palpate.server.security.accounts import Role, add_user, set_password
+from palpate.server.security.accounts import Role, add_user
+from palpate.server.security.logging_in import set_password
 from palpate.store.blobs import FolderBlobs
 from palpate.store.keeping_episodes import get_episode, put_episode
 from palpate.store.listing_episodes import list_episodes

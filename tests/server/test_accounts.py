@@ -3,17 +3,8 @@
 import pytest
 from sqlalchemy import select
 
-from palpate.server.security.accounts import (
-    Account,
-    Role,
-    account_of,
-    add_user,
-    issue,
-    revoke,
-    set_role,
-    tokens,
-    users,
-)
+from palpate.server.security.accounts import Account, Role, add_user, set_role, users
+from palpate.server.security.tokens import account_of, issue, revoke, tokens
 from palpate.store import schema
 from palpate.store.errors import StoreError
 from palpate.store.store import Store

@@ -9,7 +9,8 @@ import pytest
 from fastapi.testclient import TestClient
 
 from palpate.server.names import thing_address
-from palpate.server.security.accounts import Role, add_user, issue
+from palpate.server.security.accounts import Role, add_user
+from palpate.server.security.tokens import issue
 from palpate.store.describing import change_thing, keep_image
 from palpate.store.entries import Distribution, Value
 from palpate.store.keeping_episodes import put_episode

@@ -18,7 +18,9 @@ from fastapi.testclient import TestClient
 
 from palpate.server.api.downloads import LONGEST_NAME
 from palpate.server.app import application
-from palpate.server.security.accounts import Role, add_user, end, issue, revoke, set_password, tokens
+from palpate.server.security.accounts import Role, add_user
+from palpate.server.security.logging_in import set_password
+from palpate.server.security.tokens import end, issue, revoke, tokens
 from palpate.server.settings import Settings
 from palpate.store.listing import list_recordings
 from palpate.store.records import FileItem, Recording, ThingRef

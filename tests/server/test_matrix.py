@@ -10,7 +10,8 @@ from fastapi.routing import iter_route_contexts
 from fastapi.testclient import TestClient
 
 from palpate.server.app import application
-from palpate.server.security.accounts import Role, add_user, issue, revoke, tokens
+from palpate.server.security.accounts import Role, add_user
+from palpate.server.security.tokens import issue, revoke, tokens
 from palpate.store.opening import open_store
 from palpate.store.store import Store
 from tests.server.conftest import SMALL

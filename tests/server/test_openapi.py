@@ -17,7 +17,8 @@ from hypothesis import strategies as st
 from hypothesis.errors import Unsatisfiable
 
 from palpate.server.app import application
-from palpate.server.security.accounts import Role, add_user, issue
+from palpate.server.security.accounts import Role, add_user
+from palpate.server.security.tokens import issue
 from palpate.server.settings import Settings
 from palpate.store.describing import change_thing, keep_image
 from palpate.store.keeping_episodes import put_episode

@@ -12,7 +12,9 @@ import pytest
 from fastapi.testclient import TestClient
 
 from palpate.server.app import application
-from palpate.server.security.accounts import Role, add_user, issue, set_password
+from palpate.server.security.accounts import Role, add_user
+from palpate.server.security.logging_in import set_password
+from palpate.server.security.tokens import issue
 from palpate.store.entries import Distribution, FailedEntry, Value
 from palpate.store.opening import open_store
 from palpate.store.records import Recording

@@ -17,7 +17,8 @@ from palpate.client import HttpReceiver, NotAllowedError, RefusedError
 from palpate.recording import Outcome, record
 from palpate.recording.spool import Spool
 from palpate.recording.uploading import upload
-from palpate.server.security.accounts import Role, add_user, issue
+from palpate.server.security.accounts import Role, add_user
+from palpate.server.security.tokens import issue
 from palpate.store.opening import open_store
 from palpate.store.records import ThingRef
 from tests.server.serving import served

@@ -7,9 +7,11 @@ import pytest
 from fastapi.testclient import TestClient
 
 from palpate.server.app import application
-from palpate.server.security.accounts import Role, add_user, set_password, tokens
+from palpate.server.security.accounts import Role, add_user
+from palpate.server.security.logging_in import set_password
 from palpate.server.security.passwords import hashed, is_password
 from palpate.server.security.rates import Rate
+from palpate.server.security.tokens import tokens
 from palpate.server.security.tries import Tries
 from palpate.server.settings import Settings
 from palpate.store.store import Store

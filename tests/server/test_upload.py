@@ -14,7 +14,8 @@ import pytest
 from fastapi.testclient import TestClient
 
 from palpate.server.app import application
-from palpate.server.security.accounts import Role, add_user, issue
+from palpate.server.security.accounts import Role, add_user
+from palpate.server.security.tokens import issue
 from palpate.server.uploading.previews import HOLDS_S, MOST_OF_ACCOUNT, Previews
 from palpate.server.uploading.saving import save
 from palpate.store.archive import export_archive

@@ -61,8 +61,9 @@ def add(
     subject: Subject = None,
 ) -> None:
     """Make an account, and print a token for it, which nobody can tell again."""
-    from palpate.server.security.accounts import Role, add_user, issue
+    from palpate.server.security.accounts import Role, add_user
     from palpate.server.security.identities import check_link, link
+    from palpate.server.security.tokens import issue
 
     with place.opened(make=True) as store:
         of = {"email": email, **_at_provider(issuer, subject)}
@@ -108,7 +109,8 @@ def token(
     days: Annotated[float, typer.Option(help="After how many days it expires.")] = 365.0,
 ) -> None:
     """Print a new token, which nobody can tell again."""
-    from palpate.server.security.accounts import Role, issue
+    from palpate.server.security.accounts import Role
+    from palpate.server.security.tokens import issue
 
     with place.opened() as store:
         print(issue(store, name, None if role is None else Role.parse(role.value), days=days))
@@ -118,7 +120,7 @@ def token(
 @spread
 def password(place: Place, name: Name) -> None:
     """Give an account a password, to log in with a browser; it is asked for, or read from standard input."""
-    from palpate.server.security.accounts import set_password
+    from palpate.server.security.logging_in import set_password
 
     asked = typer.prompt("Password", hide_input=True, confirmation_prompt=True) if sys.stdin.isatty() else input()
     with place.opened() as store:
@@ -131,7 +133,7 @@ def revoke(
     place: Place, token: Annotated[int, typer.Argument(metavar="NUMBER", help="Of the list of tokens.")]
 ) -> None:
     """End a token at once."""
-    from palpate.server.security.accounts import revoke as end
+    from palpate.server.security.tokens import revoke as end
 
     with place.opened() as store:
         end(store, token)
@@ -141,7 +143,8 @@ def revoke(
 @spread
 def list_(place: Place, as_json: Annotated[bool, typer.Option("--json", help="JSON, for programs.")] = False) -> None:
     """List accounts and their tokens."""
-    from palpate.server.security.accounts import tokens, users
+    from palpate.server.security.accounts import users
+    from palpate.server.security.tokens import tokens
 
     with place.opened() as store:
         found, held = users(store), tokens(store)

@@ -12,7 +12,7 @@ from palpate.server.api.models import Page, Token, User
 from palpate.server.api.parameters import Place, StoreOf
 from palpate.server.api.plain import moment
 from palpate.server.problems import problem
-from palpate.server.security import accounts
+from palpate.server.security import accounts, tokens
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.who import needs
 from palpate.store.errors import StoreError, UnavailableError
@@ -34,7 +34,7 @@ def list_users(store: StoreOf, _: Administrator) -> Response:
 @router.get("/tokens", response_model=Page[Token])
 def list_tokens(store: StoreOf, who: Somebody) -> Response:
     """One's own tokens, without their secrets; for administrators all."""
-    found = accounts.tokens(store, None if who.role is Role.ADMIN else who.name)
+    found = tokens.tokens(store, None if who.role is Role.ADMIN else who.name)
     items = [{**vars(one), **{name: moment(getattr(one, name)) for name in MOMENTS}} for one in found]
     return answer({"items": items, "next": None})
 
@@ -43,7 +43,7 @@ def list_tokens(store: StoreOf, who: Somebody) -> Response:
 def revoke_token(store: StoreOf, who: Somebody, id: Place) -> Response:
     """End a token at once: one of one's own, or as an administrator any."""
     try:
-        accounts.revoke(store, id, user=None if who.role is Role.ADMIN else who.name)
+        tokens.revoke(store, id, user=None if who.role is Role.ADMIN else who.name)
     except UnavailableError:
         raise
     except StoreError as error:

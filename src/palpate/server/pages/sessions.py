@@ -10,9 +10,10 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
 from palpate.server.api.parameters import StoreOf
 from palpate.server.pages.templates import page
-from palpate.server.security.accounts import end, log_in
+from palpate.server.security.logging_in import log_in
 from palpate.server.security.returns import own_path
 from palpate.server.security.sites import check_same_site, form_of
+from palpate.server.security.tokens import end
 from palpate.server.security.who import COOKIE, SESSION, Who
 from palpate.server.state import state_of
 

@@ -14,9 +14,10 @@ from palpate.server.api.parameters import StoreOf
 from palpate.server.pages.sessions import begin_session
 from palpate.server.pages.templates import page
 from palpate.server.problems import problem
-from palpate.server.security.accounts import SESSION_DAYS, issue
 from palpate.server.security.identities import UnknownPersonError, account_name
+from palpate.server.security.logging_in import SESSION_DAYS
 from palpate.server.security.single_sign_on import Attempt, Provider, SignOnError
+from palpate.server.security.tokens import issue
 from palpate.server.state import state_of
 from palpate.store.store import Store
 

@@ -10,10 +10,11 @@ from fastapi import Depends, Request
 from sqlalchemy import select
 
 from palpate.server.problems import ProblemError, problem
-from palpate.server.security.accounts import Account, Role, account_of
+from palpate.server.security.accounts import Account, Role
 from palpate.server.security.addresses import is_here
 from palpate.server.security.passwords import is_password
 from palpate.server.security.sites import check_same_site
+from palpate.server.security.tokens import account_of
 from palpate.server.state import state_of
 from palpate.store import schema
 from palpate.store.store import Store

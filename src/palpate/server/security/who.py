@@ -10,8 +10,9 @@ from fastapi import Depends, Request
 from fastapi.security import HTTPBearer
 
 from palpate.server.problems import problem
-from palpate.server.security.accounts import Account, Role, account_of
+from palpate.server.security.accounts import Account, Role
 from palpate.server.security.sites import check_same_site
+from palpate.server.security.tokens import account_of
 from palpate.server.state import state_of
 
 __all__ = ["COOKIE", "SESSION", "Who", "needs"]

@@ -1,0 +1,46 @@
+"""Passwords, by which people log in with a browser; what they get is a token for half a day."""
+
+from __future__ import annotations
+
+from sqlalchemy import select, update
+
+from palpate.server.security.accounts import no_account
+from palpate.server.security.passwords import hashed, is_password
+from palpate.server.security.tokens import MICROSECONDS_PER_DAY, issue
+from palpate.store import schema
+from palpate.store.database import changing
+from palpate.store.registry import now_us
+from palpate.store.store import Store
+
+__all__ = ["SESSION_DAYS", "log_in", "set_password"]
+
+SESSION_DAYS = 0.5
+
+
+def set_password(store: Store, name: str, password: str) -> None:
+    """Give an account a password, with which its pages are opened in a browser; whoever is logged in is no more.
+
+    So are tokens that were made for no longer than a session lasts; others, which programs have, go on.
+
+    Raises
+    ------
+    StoreError
+        If there is no such account.
+    """
+    kept, sessions = hashed(password), schema.tokens.c
+    with changing(store.engine) as connection:
+        id = connection.scalar(select(schema.users.c.id).where(schema.users.c.name == name))
+        if id is None:
+            raise no_account(name)
+        connection.execute(update(schema.users).where(schema.users.c.id == id).values(password_hash=kept))
+        short = sessions.expires_us - sessions.created_us <= int(SESSION_DAYS * MICROSECONDS_PER_DAY)
+        held = (sessions.user_id == id, short, sessions.revoked_us.is_(None))
+        connection.execute(update(schema.tokens).where(*held).values(revoked_us=now_us()))
+
+
+def log_in(store: Store, name: str, password: str) -> str | None:
+    """A token for a browser, for half a day; None where the name or the password is wrong, and nobody learns which."""
+    columns = schema.users.c
+    with store.engine.connect() as connection:
+        kept = connection.scalar(select(columns.password_hash).where(columns.name == name))
+    return issue(store, name, days=SESSION_DAYS) if is_password(password, kept) else None

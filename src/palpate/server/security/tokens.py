@@ -1,0 +1,145 @@
+"""Tokens, by which programs and browsers say whose they are.
+
+A token is random and shown once; a store keeps its SHA-256 only, which cannot be guessed as there is nothing to guess
+from. What a token may do is the lesser of its own role and its account's.
+"""
+
+from __future__ import annotations
+
+import secrets
+from dataclasses import dataclass
+from datetime import datetime
+from functools import cache
+from hashlib import sha256
+from typing import Any
+
+from sqlalchemy import Select, bindparam, insert, select, update
+
+from palpate.server.security.accounts import Account, Role, no_account
+from palpate.store import schema
+from palpate.store.database import changing
+from palpate.store.errors import StoreError
+from palpate.store.registry import now_us
+from palpate.store.rows import moment_at
+from palpate.store.store import Store
+
+__all__ = ["MICROSECONDS_PER_DAY", "Token", "account_of", "end", "issue", "revoke", "tokens"]
+
+PREFIX = "palpate_"
+"""Begins each token, so that one that was published by mistake can be found."""
+MICROSECONDS_PER_DAY = 86_400_000_000
+
+
+@dataclass(frozen=True)
+class Token:
+    """A token as it stands in a list: without the secret, which nobody has but its owner."""
+
+    id: int
+    user: str
+    role: str
+    created_at: datetime
+    expires_at: datetime | None
+    revoked_at: datetime | None
+
+
+def issue(store: Store, name: str, role: Role | None = None, *, days: float | None = 365.0) -> str:
+    """Make a token for an account.
+
+    Parameters
+    ----------
+    role
+        What it may do at most; all that the account may unless given.
+    days
+        After how many it expires; never where it is None.
+
+    Returns
+    -------
+    str
+        The token, which nobody can tell again.
+
+    Raises
+    ------
+    StoreError
+        If there is no such account, or the role is more than it has.
+    """
+    if days is not None and not 0 < days <= 36_500:
+        raise StoreError(f"days: found {days:g}, expected more than 0 and 36500 at most")
+    secret, columns = PREFIX + secrets.token_urlsafe(32), schema.users.c
+    with changing(store.engine) as connection:
+        row = connection.execute(select(columns.id, columns.role).where(columns.name == name)).first()
+        if row is None:
+            raise no_account(name)
+        own = Role.parse(row.role)
+        if role is not None and role > own:
+            raise StoreError(f"role: {name!r} is {row.role}, expected a token for that or less")
+        now = now_us()
+        token = {"user_id": row.id, "digest": digest_of(secret), "role": (role or own).name.lower(), "created_us": now}
+        expires = None if days is None else now + int(days * MICROSECONDS_PER_DAY)
+        connection.execute(insert(schema.tokens).values(**token, expires_us=expires))
+    return secret
+
+
+def end(store: Store, secret: str) -> None:
+    """End a token by itself, as when somebody logs out; nothing happens where it has ended."""
+    columns = schema.tokens.c
+    holds = (columns.digest == digest_of(secret), columns.revoked_us.is_(None))
+    with changing(store.engine) as connection:
+        connection.execute(update(schema.tokens).where(*holds).values(revoked_us=now_us()))
+
+
+def revoke(store: Store, token: int, *, user: str | None = None) -> None:
+    """End a token at once; `user`: only where it is theirs.
+
+    Raises
+    ------
+    StoreError
+        If there is none that holds.
+    """
+    columns = schema.tokens.c
+    condition = (columns.id == token) & columns.revoked_us.is_(None)
+    if user is not None:
+        condition &= columns.user_id.in_(select(schema.users.c.id).where(schema.users.c.name == user))
+    with changing(store.engine) as connection:
+        done = connection.execute(update(schema.tokens).where(condition).values(revoked_us=now_us()))
+        if not done.rowcount:
+            raise StoreError(f"token {token}: there is none that holds, expected one of the list of tokens")
+
+
+def account_of(store: Store, secret: str) -> Account | None:
+    """Whose token it is; None where it is nobody's, has expired or was revoked."""
+    with store.engine.connect() as connection:
+        row = connection.execute(_holder(), {"digest": digest_of(secret)}).first()
+    if row is None or (row.expires_us is not None and row.expires_us <= now_us()):
+        return None
+    return Account(row.name, min(Role.parse(row.role), Role.parse(row.scope)))
+
+
+@cache
+def _holder() -> Select[*tuple[Any, ...]]:
+    """The question whose a token is; nearly every request asks it, and putting it together takes longer than asking."""
+    users_, tokens_ = schema.users.c, schema.tokens.c
+    return (
+        select(users_.name, users_.role, tokens_.role.label("scope"), tokens_.expires_us)
+        .join(schema.users, users_.id == tokens_.user_id)
+        .where(tokens_.digest == bindparam("digest"), tokens_.revoked_us.is_(None))
+    )
+
+
+def tokens(store: Store, user: str | None = None) -> tuple[Token, ...]:
+    """All tokens, or those of one account, the first first; those that were revoked too."""
+    columns = schema.tokens.c
+    asked = select(schema.tokens, schema.users.c.name).join(schema.users, schema.users.c.id == columns.user_id)
+    if user is not None:
+        asked = asked.where(schema.users.c.name == user)
+    with store.engine.connect() as connection:
+        return tuple(_token(row) for row in connection.execute(asked.order_by(columns.id)))
+
+
+def digest_of(secret: str) -> bytes:
+    """What a store keeps of a token."""
+    return sha256(secret.encode("utf-8", "surrogateescape")).digest()
+
+
+def _token(row: Any) -> Token:
+    moments = (None if us is None else moment_at(us) for us in (row.expires_us, row.revoked_us))
+    return Token(row.id, row.name, row.role, moment_at(row.created_us), *moments)
