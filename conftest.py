@@ -31,6 +31,20 @@ settings.register_profile("palpate", deadline=None, derandomize="CI" in os.envir
 settings.load_profile("palpate")
 
 
+@pytest.fixture(scope="session")
+def drawing() -> None:
+    """Skip where nothing can be drawn without a screen, as the bench's camera needs it."""
+    from palpate.robots.mujoco.camera import Camera
+    from palpate.robots.mujoco.errors import BenchError
+    from palpate.robots.mujoco.scene import Scene
+
+    with Camera(Scene(None), (64, 48)) as camera:
+        try:
+            camera.image()
+        except BenchError as error:
+            pytest.skip(f"no way to draw without a screen: {error}")
+
+
 def start_page(namespace: dict[str, Any]) -> None:
     namespace["_home"] = Path.cwd()
     namespace["_folder"] = TemporaryDirectory()

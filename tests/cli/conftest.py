@@ -54,17 +54,3 @@ def evidence_file(tmp_path: Path) -> Callable[[list[dict[str, Any]]], Path]:
         return path
 
     return write
-
-
-@pytest.fixture(scope="session")
-def drawing() -> None:
-    """Skip where nothing can be drawn without a screen, as the bench's camera needs it."""
-    from palpate.robots.mujoco.camera import Camera
-    from palpate.robots.mujoco.errors import BenchError
-    from palpate.robots.mujoco.scene import Scene
-
-    with Camera(Scene(None), (64, 48)) as camera:
-        try:
-            camera.image()
-        except BenchError as error:
-            pytest.skip(f"no way to draw without a screen: {error}")

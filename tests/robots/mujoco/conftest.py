@@ -14,11 +14,8 @@ if find_spec("mujoco") is None:
     collect_ignore_glob = ["test_*.py"]
 else:
     from palpate.robots.mujoco.bench import Bench
-    from palpate.robots.mujoco.camera import Camera
-    from palpate.robots.mujoco.errors import BenchError
     from palpate.robots.mujoco.noise import QUIET, BenchNoise
     from palpate.robots.mujoco.objects import BenchObject, Look, Part
-    from palpate.robots.mujoco.scene import Scene
     from palpate.robots.mujoco.sound import Substance
 
     WOOD = Substance(750.0, 1.1e10, 0.25, 60.0, 2e-6)
@@ -48,12 +45,3 @@ else:
     def surely() -> Callable[[str], BenchNoise]:
         """Perfect sensors, and a mishap each time."""
         return lambda mishap: replace(QUIET, **{f"{mishap}_probability": 1.0})
-
-    @pytest.fixture(scope="session")
-    def drawing() -> None:
-        """Skip where nothing can be drawn."""
-        with Camera(Scene(None), (64, 48)) as camera:
-            try:
-                camera.image()
-            except BenchError as error:
-                pytest.skip(f"no way to draw without a screen: {error}")
