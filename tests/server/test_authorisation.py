@@ -308,8 +308,7 @@ def test_who_uploads_by_a_form(client: TestClient, world: World, person: str) ->
     assert client.post("/upload", headers=headers).status_code == (expected or 422)
     form = {**headers, "Origin": "http://testserver"}
     assert client.post("/upload/one", data={"value": "1"}, headers=form).status_code == (expected or 422)
-    for address in ("", "/keep", "/cancel"):
-        method = "POST" if address else "GET"
+    for method, address in (("GET", ""), ("GET", "/kept"), ("POST", "/keep"), ("POST", "/cancel")):
         found = client.request(method, f"/upload/{'x' * 43}{address}", headers=form)
         assert found.status_code == (expected or 404)
     for name in ("measurements", "entries", "grasp_proposals"):

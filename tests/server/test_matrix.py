@@ -117,6 +117,7 @@ WHO_MAY = {
     "POST /upload/one": "13..11..",
     "GET /upload/{id}": "13441144",
     "POST /upload/{id}/keep": "13441144",
+    "GET /upload/{id}/kept": "13441144",
     "POST /upload/{id}/cancel": "13441144",
 }
 """By person: a full stop where it is done, or would be if it were right, and else the end of 401, 403 or 404.

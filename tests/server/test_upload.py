@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile
 
@@ -16,7 +17,7 @@ from fastapi.testclient import TestClient
 from palpate.server.app import application
 from palpate.server.security.accounts import Role, add_user
 from palpate.server.security.tokens import issue
-from palpate.server.uploading.previews import HOLDS_S, MOST_OF_ACCOUNT, Previews
+from palpate.server.uploading.previews import HOLDS_S, MOST_KEPT_OF_ACCOUNT, MOST_OF_ACCOUNT, Previews
 from palpate.server.uploading.saving import save
 from palpate.store.archive import export_archive
 from palpate.store.entries import Distribution, Value
@@ -141,7 +142,68 @@ def test_all_kinds_are_understood_and_kept(ann: TestClient, store: Store, tmp_pa
     entries = {row.action: row.entries for row in rows_ if row.thing in ("011_banana", "sponge")}
     assert entries["cat-vision"] == (Distribution("category", {"banana": 0.75, "mug": 0.25}),)
     assert entries["squeezing"] == (Value("elasticity", 12.5, None, "kPa"),)
-    assert ann.get(address).status_code == 404
+    assert str(ann.get(address).url).endswith(f"{address}/kept")
+
+
+def test_what_was_kept_is_a_page_that_can_be_loaded_again(store: Store, tmp_path: Path) -> None:
+    """From any worker, with what was refused and why, as long as an upload waits; only the form itself is sent once."""
+    add_user(store, "ann", Role.OWNER)
+    cookies, settings = {"palpate-session": issue(store, "ann")}, replace(SMALL, previews=str(tmp_path))
+    one, other = (
+        TestClient(application(store, settings), cookies=cookies, headers=ORIGIN, follow_redirects=False)
+        for _ in range(2)
+    )
+    files = {
+        "good.zip": package(squeeze(2, owner="ann")),
+        "cut.zip": package(squeeze(5, owner="ann"))[:-40],
+        "of_nobody.zip": package(squeeze(6)),
+        "notes.txt": b"nothing",
+    }
+    address = one.post("/upload", files=[("files", item) for item in files.items()]).headers["location"]
+    sent = one.post(f"{address}/keep", data={"visibility": "", "owner": "kim"})
+    assert (sent.status_code, sent.headers["location"]) == (303, f"{address}/kept")
+    for client in (one, other, one):
+        found = client.get(f"{address}/kept")
+        assert found.status_code == 200
+        assert "1 recording is in the store" in found.text
+        assert "2 could not be kept" in found.text
+        reasons = fates(found.text)
+        assert reasons.keys() == {"cut.zip", "of_nobody.zip", "notes.txt"}
+        assert "no zip file" in reasons["cut.zip"]
+        assert "kim" in reasons["of_nobody.zip"]
+    for method, where in (("POST", "/keep"), ("GET", "")):
+        again = other.request(method, f"{address}{where}", data={} if method == "POST" else None)
+        assert (again.status_code, again.headers["location"]) == (303, f"{address}/kept")
+    assert sorted(path.name for path in (tmp_path / address.removeprefix("/upload/")).iterdir()) == [
+        "about.json",
+        "kept.json",
+    ]
+    one.cookies.set("palpate-session", issue(store, "ann"))
+    assert one.get(f"{address}/kept").status_code == 404
+    assert len(list_recordings(store).rows) == 1
+
+
+def test_what_became_of_uploads_is_told_for_a_while(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It takes the place of none that waits, there are so many of an account at most, and then all of it ends."""
+    previews = Previews(tmp_path)
+    ids = list[str]()
+    for _ in range(MOST_KEPT_OF_ACCOUNT + 2):
+        made = previews.new("ann's session", "ann")
+        assert made is not None
+        assert made.dropped == 0
+        (made.folder / "found.json").write_text("[]")
+        with previews.taken(made) as mine:
+            assert mine is not None
+            mine.note_kept([])
+        ids.append(made.id)
+    kept = [previews.get_kept(id, "ann's session") is not None for id in ids]
+    assert kept == [False] * 2 + [True] * MOST_KEPT_OF_ACCOUNT
+    assert previews.get_kept(ids[-1], "kim's session") is None
+    later = time.time() + HOLDS_S + 1
+    monkeypatch.setattr(time, "time", lambda: later)
+    assert previews.get_kept(ids[-1], "ann's session") is None
+    previews.sweep()
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_what_is_known_and_what_is_refused_is_told_before(ann: TestClient, store: Store) -> None:

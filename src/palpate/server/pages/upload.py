@@ -14,7 +14,7 @@ from starlette.datastructures import FormData, UploadFile
 from palpate.server.api.parameters import StoreOf
 from palpate.server.pages.templates import page
 from palpate.server.plausible import check_plausible
-from palpate.server.problems import problem
+from palpate.server.problems import ProblemError, problem
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.sites import check_same_site, form_of
 from palpate.server.security.who import needs
@@ -92,15 +92,26 @@ def _files(sent: FormData) -> Iterator[tuple[str, IO[bytes]]]:
 def _preview(request: Request, who: Owner, id: str) -> Preview:
     found = state_of(request).previews.get(id, holder_of(request, who))
     if found is None:
-        raise problem(
-            404,
-            "there is no upload that waits here: it was kept or cancelled, its time is over, newer ones took its place,"
-            " or it is not yours",
-        )
+        raise _gone()
     return found
 
 
+def _gone() -> ProblemError:
+    return problem(
+        404,
+        "there is no upload that waits here: it was kept or cancelled, its time is over, newer ones took its place,"
+        " or it is not yours",
+    )
+
+
 Waiting = Annotated[Preview, Depends(_preview)]
+
+
+def _kept_before(request: Request, who: Owner, id: str) -> Preview | None:
+    return state_of(request).previews.get_kept(id, holder_of(request, who))
+
+
+KeptBefore = Annotated[Preview | None, Depends(_kept_before)]
 
 
 @router.post("/one")
@@ -124,8 +135,11 @@ def _keep_typed(store: Store, who: Account, fields: Mapping[str, str]) -> Receip
 
 
 @router.get("/{id}")
-def preview(request: Request, store: StoreOf, who: Owner, waiting: Waiting) -> HTMLResponse:
-    """What was understood."""
+def preview(request: Request, store: StoreOf, who: Owner, id: str, kept: KeptBefore) -> Response:
+    """What was understood; where it was kept meanwhile, what became of it."""
+    if kept is not None:
+        return _to_kept(id)
+    waiting = _preview(request, who, id)
     items = shown_of(store, who, waiting)
     fates = Counter(item.fate for item in items)
     new = sum(one.fate == "new" and one.known is None for one in items)
@@ -145,24 +159,35 @@ def preview(request: Request, store: StoreOf, who: Owner, waiting: Waiting) -> H
 
 
 @router.post("/{id}/keep")
-async def keep_all(request: Request, who: Owner, waiting: Waiting) -> HTMLResponse:
-    """Keep what was shown."""
-    fields = await form_of(request)
-    try:
-        wishes = Wishes(fields.get("visibility") or None, fields.get("owner", "").strip() or None)
-    except StoreError as error:
-        raise problem(422, str(error)) from None
-    return await run_in_threadpool(_kept, request, who, waiting, wishes)
+async def keep_all(request: Request, who: Owner, id: str, kept: KeptBefore) -> Response:
+    """Keep what was shown, and lead to what became of it; once, also where the form is sent twice."""
+    if kept is None:
+        waiting = _preview(request, who, id)
+        fields = await form_of(request)
+        try:
+            wishes = Wishes(fields.get("visibility") or None, fields.get("owner", "").strip() or None)
+        except StoreError as error:
+            raise problem(422, str(error)) from None
+        await run_in_threadpool(keep, state_of(request), who, waiting, wishes)
+    return _to_kept(id)
 
 
-def _kept(request: Request, who: Account, waiting: Preview, wishes: Wishes) -> HTMLResponse:
-    state = state_of(request)
-    outcomes = keep(state, who, waiting, wishes)
-    held = [(one, one.recording.digest) for one in outcomes if one.fate is not Fate.REFUSED and one.recording]
-    ids = recordings_of_digests(state.store, who.viewer, [digest for _, digest in held])
-    there = [(one, ids[digest]) for one, digest in held if digest in ids]
-    refused = [one for one in outcomes if one.fate is Fate.REFUSED]
-    return page(request, "kept.html", there=there, refused=refused)
+def _to_kept(id: str) -> Response:
+    return RedirectResponse(f"/upload/{id}/kept", 303)
+
+
+@router.get("/{id}/kept")
+def told(request: Request, store: StoreOf, who: Owner, kept: KeptBefore) -> HTMLResponse:
+    """What became of what was kept."""
+    if kept is None:
+        raise _gone()
+    outcomes = kept.kept()
+    refused = [one for one in outcomes if one["fate"] == Fate.REFUSED.value]
+    left = [one for one in outcomes if one["fate"] == Fate.SKIPPED.value]
+    held = [one for one in outcomes if "told" in one and one not in refused]
+    ids = recordings_of_digests(store, who.viewer, [one["digest"] for one in held])
+    there = [(one, ids[one["digest"]]) for one in held if one["digest"] in ids]
+    return page(request, "kept.html", there=there, refused=refused, left=left)
 
 
 @router.post("/{id}/cancel")

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from palpate.server.problems import problem
 from palpate.server.receiving import check_owner
@@ -14,7 +15,7 @@ from palpate.server.state import State
 from palpate.server.uploading.previews import Preview
 from palpate.store.errors import StoreError
 from palpate.store.importing.intake import import_paths
-from palpate.store.importing.items import Item, Outcome, identified
+from palpate.store.importing.items import Fate, Item, Outcome, identified
 from palpate.store.opening import open_store
 from palpate.store.records import VISIBILITIES, Recording
 from palpate.store.store import Store
@@ -78,11 +79,26 @@ class _Waiting:
         return self._wishes.of(self._scratch.get(digest), self._who)
 
 
-def keep(state: State, who: Account, preview: Preview, wishes: Wishes) -> list[Outcome]:
-    """Keep all recordings of a preview, and tell what became of each; then nothing of it waits any more."""
+def keep(state: State, who: Account, preview: Preview, wishes: Wishes) -> None:
+    """Keep all recordings of a preview, and note what became of each; then nothing of it waits any more."""
     with state.previews.taken(preview) as mine:
         if mine is None:
             raise problem(404, "there is no upload that waits here: it was kept or cancelled just now")
         with open_store(mine.place, mine.blobs, durable=False, make=False) as scratch:
             waiting = _Waiting(scratch, mine, wishes, who)
-            return list(import_paths(state.store, [mine.place], [waiting], uploader=who.name))
+            outcomes = list(import_paths(state.store, [mine.place], [waiting], uploader=who.name))
+        # what was found wrong when it was read stands on the page before, which is gone now
+        before = [one for one in mine.found() if one["fate"] in (Fate.REFUSED.value, Fate.SKIPPED.value)]
+        mine.note_kept([*before, *(_noted(outcome) for outcome in outcomes)])
+
+
+def _noted(outcome: Outcome) -> dict[str, Any]:
+    """What became of a recording, as it is told on a page that can be loaded again."""
+    recording = outcome.recording
+    told = {} if recording is None else {"digest": recording.digest, "told": _words(recording)}
+    return {"source": outcome.source, "fate": outcome.fate.value, "reason": outcome.reason, **told}
+
+
+def _words(recording: Recording) -> str:
+    action = recording.action[:1].upper() + recording.action[1:]
+    return f"{action} of {recording.thing.common_name or recording.thing.id}"

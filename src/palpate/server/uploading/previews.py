@@ -1,4 +1,7 @@
-"""Where uploads wait until somebody keeps them: a folder for each, of one session, for a while."""
+"""Where uploads wait until somebody keeps them: a folder for each, of one session, for a while.
+
+What became of one that was kept stays in its folder for as long, so that whichever worker is asked can tell it.
+"""
 
 from __future__ import annotations
 
@@ -26,10 +29,11 @@ from palpate.server.security.who import COOKIE, SESSION
 __all__ = ["MOST_OF_ACCOUNT", "Preview", "Previews", "holder_of"]
 
 ID = re.compile("[A-Za-z0-9_-]{43}")
-ABOUT, TASK, FOUND = "about.json", "task.json", "found.json"
+ABOUT, TASK, FOUND, KEPT = "about.json", "task.json", "found.json", "kept.json"
 HOLDS_S = 3600.0
 SWEPT_EACH_S = 300.0
 MOST_OF_ACCOUNT = 3
+MOST_KEPT_OF_ACCOUNT = 20
 MOST = 100
 
 
@@ -80,6 +84,15 @@ class Preview:
         plain: list[dict[str, Any]] = json.loads((self.folder / FOUND).read_text(encoding="utf-8"))
         return plain
 
+    def note_kept(self, outcomes: list[dict[str, Any]]) -> None:
+        """Note what became of each item when it was to be kept."""
+        (self.folder / KEPT).write_text(json.dumps(outcomes), encoding="utf-8")
+
+    def kept(self) -> list[dict[str, Any]]:
+        """What became of each item when it was to be kept."""
+        plain: list[dict[str, Any]] = json.loads((self.folder / KEPT).read_text(encoding="utf-8"))
+        return plain
+
 
 class Previews:
     """All uploads that wait; the workers of a server share the folder.
@@ -113,10 +126,9 @@ class Previews:
     def new(self, holder: str, account: str) -> Preview | None:
         """Make one; the account's oldest make room, and there is None where too many of others wait."""
         self.sweep()
-        waiting = self._waiting()
-        own = sorted((about["expires"], id) for id, about in waiting.items() if about["account"] == account)
-        oldest = own[: max(0, len(own) - MOST_OF_ACCOUNT + 1)]
-        for _, id in oldest:
+        waiting = self._all(is_kept=False)
+        oldest = _too_many(waiting, account, MOST_OF_ACCOUNT)
+        for id in (*oldest, *_too_many(self._all(is_kept=True), account, MOST_KEPT_OF_ACCOUNT)):
             self.drop(id)
         if len(waiting) >= MOST:
             return None
@@ -129,15 +141,25 @@ class Previews:
 
     def get(self, id: str, holder: str) -> Preview | None:
         """The one of an id that was read, where it waits and is theirs."""
+        return self._of(id, holder, FOUND)
+
+    def get_kept(self, id: str, holder: str) -> Preview | None:
+        """The one of an id that was kept a while ago, where it is theirs; only what became of it is left."""
+        return self._of(id, holder, KEPT)
+
+    def _of(self, id: str, holder: str, needed: str) -> Preview | None:
         about = self._about(id) if ID.fullmatch(id) else None
         if about is None or about["expires"] < time.time() or not compare_digest(about["holder"], holder):
             return None
         found = Preview(id, self.root / id)
-        return found if (found.folder / FOUND).is_file() else None
+        return found if (found.folder / needed).is_file() else None
 
     @contextmanager
     def taken(self, preview: Preview) -> Iterator[Preview | None]:
-        """One that nobody else removes or keeps meanwhile, and that is gone then; None where others were first."""
+        """One that nobody else removes or keeps meanwhile; None where others were first.
+
+        Of it is left only what was noted of what became of it.
+        """
         # only names that are ids are looked at by others; it comes back where it could not be kept
         aside = Preview(preview.id, self.root / f"kept-{secrets.token_hex(8)}")
         try:
@@ -150,7 +172,21 @@ class Previews:
         except BaseException:
             aside.folder.rename(preview.folder)
             raise
-        shutil.rmtree(aside.folder, ignore_errors=True)
+        self._settle(aside, preview)
+
+    def _settle(self, aside: Preview, preview: Preview) -> None:
+        if not (aside.folder / KEPT).is_file():
+            shutil.rmtree(aside.folder, ignore_errors=True)
+            return
+        for path in aside.folder.iterdir():
+            if path.is_dir():
+                shutil.rmtree(path, ignore_errors=True)
+            elif path.name not in (ABOUT, KEPT):
+                path.unlink()
+        about = json.loads((aside.folder / ABOUT).read_text(encoding="utf-8"))
+        about["expires"] = time.time() + HOLDS_S
+        (aside.folder / ABOUT).write_text(json.dumps(about), encoding="utf-8")
+        aside.folder.rename(preview.folder)
 
     def drop(self, id: str) -> None:
         """Remove one; nothing happens where another worker has."""
@@ -159,7 +195,7 @@ class Previews:
     def sweep(self) -> None:
         """Remove all whose time is over."""
         now = time.time()
-        for id, about in self._waiting().items():
+        for id, about in self._all().items():
             if about["expires"] < now:
                 self.drop(id)
 
@@ -169,10 +205,15 @@ class Previews:
             await asyncio.sleep(SWEPT_EACH_S)
             await asyncio.to_thread(self.sweep)
 
-    def _waiting(self) -> dict[str, dict[str, Any]]:
+    def _all(self, *, is_kept: bool | None = None) -> dict[str, dict[str, Any]]:
+        """What is told of each; of those alone that wait, or that were kept, where that is asked."""
         if self._root is None:
             return {}
-        names = [path.name for path in self.root.iterdir() if ID.fullmatch(path.name)]
+        names = [
+            path.name
+            for path in self.root.iterdir()
+            if ID.fullmatch(path.name) and is_kept in (None, (path / KEPT).is_file())
+        ]
         told = {name: self._about(name) for name in names}
         return {name: about for name, about in told.items() if about is not None}
 
@@ -183,3 +224,9 @@ class Previews:
             # it was removed, or is being made, by another worker
             return None
         return about
+
+
+def _too_many(told: dict[str, dict[str, Any]], account: str, most: int) -> list[str]:
+    """The oldest of an account, without which there is room for one more."""
+    own = sorted((about["expires"], id) for id, about in told.items() if about["account"] == account)
+    return [id for _, id in own[: max(0, len(own) - most + 1)]]
