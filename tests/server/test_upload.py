@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile
 
@@ -25,6 +26,7 @@ from palpate.store.listing import list_recordings
 from palpate.store.opening import open_store
 from palpate.store.records import FileItem
 from palpate.store.store import Store
+from palpate.store.viewing import Viewer, VisibleFilter
 from tests.server.conftest import SMALL
 from tests.server.packages import package
 from tests.store.made_up import squeeze
@@ -229,6 +231,48 @@ def test_what_is_known_and_what_is_refused_is_told_before(ann: TestClient, store
     assert "2 recordings are in the store" in found.text
     assert "was there already" in found.text
     assert sorted(row.visibility for row in list_recordings(store).rows) == ["lab", "private", "private"]
+
+
+def test_who_may_see_it_and_from_when_on_is_set_before_it_is_kept(ann: TestClient, store: Store) -> None:
+    """By the rules of sharing it later; an embargo that is stated holds, another takes its place, or there is none."""
+    stated = datetime(2031, 1, 1, tzinfo=UTC)
+    wanted: list[tuple[dict[str, str], datetime | None]] = [
+        ({}, stated),
+        ({"until": "2032-02-03T04:05"}, datetime(2032, 2, 3, 4, 5, tzinfo=UTC)),
+        ({"until": "2032-02-03"}, datetime(2032, 2, 3, tzinfo=UTC)),
+        ({"until": "2032-02-03T04:05+02:00"}, datetime(2032, 2, 3, 2, 5, tzinfo=UTC)),
+        ({"no_embargo": "yes"}, None),
+        ({"until": "", "no_embargo": "yes"}, None),
+    ]
+    for number, (fields, until) in enumerate(wanted):
+        sent = squeeze(number, owner="ann", embargoed_until=stated)
+        address, text = send(ann, {"one.zip": package(sent)})
+        assert "not before 2031-01-01 00:00:00 UTC" in text
+        assert "1 recording is in the store" in ann.post(f"{address}/keep", data={"visibility": "lab", **fields}).text
+        kept = store.get(sent.digest)
+        assert (kept.visibility, kept.embargoed_until) == ("lab", until)
+        seen = list_recordings(store, VisibleFilter(viewer=Viewer("kim", lab=True))).rows
+        assert any(one.digest == sent.digest for one in seen) == (until is None)
+
+
+def test_a_wish_that_is_none_is_told_and_nothing_is_lost(ann: TestClient, store: Store) -> None:
+    """Above the same page, with what was given; the upload waits on."""
+    address, _ = send(ann, {"one.zip": package(squeeze(1, owner="ann"))})
+    wrong = {
+        "until: found &#39;soon&#39;, expected a date and a time": {"until": "soon"},
+        "embargoed_until: found the year 9999": {"until": "9999-12-31T00:00"},
+        "embargoed_until: found the year 1066": {"until": "1066-10-14T09:00"},
+        "beside the wish for no embargo, expected one of the two": {"until": "2032-01-01T00:00", "no_embargo": "yes"},
+        "visibility: found &#39;everybody&#39;": {"visibility": "everybody"},
+    }
+    for told, fields in wrong.items():
+        found = ann.post(f"{address}/keep", data={"visibility": "public", "owner": "ann", **fields})
+        assert (found.status_code, told in found.text) == (422, True), told
+        assert "What was understood" in found.text
+        assert f'value="{fields.get("until", "")}"' in found.text
+        assert "<option selected>ann</option>" in found.text
+    assert list_recordings(store).rows == ()
+    assert "1 recording is in the store" in ann.post(f"{address}/keep", data={"visibility": ""}).text
 
 
 def test_cancelled_nothing_stays(ann: TestClient, store: Store) -> None:

@@ -6,7 +6,7 @@ Its owner may, and where none is stated who has sent it; a curator may where the
 from __future__ import annotations
 
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import UTC, datetime
 from typing import Any
 from uuid import UUID
 
@@ -14,6 +14,8 @@ from sqlalchemy import Table
 
 from palpate.server.problems import problem
 from palpate.server.security.accounts import Account, Role
+from palpate.store.checks import check_embargo
+from palpate.store.errors import StoreError
 from palpate.store.sharing import (
     Shared,
     Sharing,
@@ -25,7 +27,7 @@ from palpate.store.sharing import (
 )
 from palpate.store.store import Store
 
-__all__ = ["SharingOf", "sharing_of"]
+__all__ = ["SharingOf", "embargo_end", "sharing_of"]
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,28 @@ class SharingOf:
     def _check(self) -> None:
         if not self.may_change:
             raise problem(403, f"{self.table.name[:-1]} {self.key}: is for its owner to share, or for curators")
+
+
+def embargo_end(text: str) -> datetime:
+    """The end of an embargo from the field ``until`` of a form, in UTC unless it says otherwise.
+
+    Raises
+    ------
+    StoreError
+        If it is none.
+
+    Examples
+    --------
+    >>> print(embargo_end("2030-12-31"))
+    2030-12-31 00:00:00+00:00
+    """
+    try:
+        found = datetime.fromisoformat(text)
+    except ValueError:
+        raise StoreError(f"until: found {text[:40]!r}, expected a date and a time, as 2030-12-31T12:00") from None
+    found = found if found.utcoffset() is not None else found.replace(tzinfo=UTC)
+    check_embargo(found)
+    return found
 
 
 def sharing_of(store: Store, who: Account, table: Table, key: UUID) -> SharingOf:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from datetime import UTC, datetime
+from datetime import UTC
 from typing import Annotated, Any
 from uuid import UUID
 
@@ -16,7 +16,7 @@ from palpate.server.problems import problem
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.sites import form_of
 from palpate.server.security.who import needs
-from palpate.server.sharing import SharingOf, sharing_of
+from palpate.server.sharing import SharingOf, embargo_end, sharing_of
 from palpate.store import schema
 from palpate.store.records import VISIBILITIES
 from palpate.store.store import Store
@@ -74,12 +74,4 @@ def _fields(given: Mapping[str, str], sharing: SharingOf) -> dict[str, Any]:
     if before is not None and until == before.astimezone(UTC).strftime(UNTIL):
         # the field holds whole minutes, and sending it again must not end an embargo earlier
         return {"visibility": visibility}
-    return {"visibility": visibility, "embargoed_until": _moment(until) if until else None}
-
-
-def _moment(text: str) -> datetime:
-    try:
-        found = datetime.fromisoformat(text)
-    except ValueError:
-        raise problem(422, f"until: found {text[:40]!r}, expected a date and a time, as 2030-12-31T12:00") from None
-    return found if found.utcoffset() is not None else found.replace(tzinfo=UTC)
+    return {"visibility": visibility, "embargoed_until": embargo_end(until) if until else None}

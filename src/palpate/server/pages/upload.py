@@ -20,11 +20,12 @@ from palpate.server.security.sites import check_same_site, form_of
 from palpate.server.security.who import needs
 from palpate.server.state import State, state_of
 from palpate.server.uploading.by_hand import recording_by_hand
-from palpate.server.uploading.keeping import Wishes, keep
+from palpate.server.uploading.keeping import keep
 from palpate.server.uploading.previews import MOST_OF_ACCOUNT, Preview, holder_of
 from palpate.server.uploading.reading import read
 from palpate.server.uploading.saving import save
 from palpate.server.uploading.showing import shown_of
+from palpate.server.uploading.wishes import Wishes
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.importing.items import Fate
 from palpate.store.records import Receipt
@@ -139,15 +140,24 @@ def preview(request: Request, store: StoreOf, who: Owner, id: str, kept: KeptBef
     """What was understood; where it was kept meanwhile, what became of it."""
     if kept is not None:
         return _to_kept(id)
-    waiting = _preview(request, who, id)
+    return _shown(request, store, who, _preview(request, who, id), {}, None)
+
+
+def _shown(
+    request: Request, store: Store, who: Account, waiting: Preview, given: Mapping[str, str], fault: str | None
+) -> HTMLResponse:
+    """What was understood; with what was wanted, and what is wrong with that, where it could not be kept so."""
     items = shown_of(store, who, waiting)
     fates = Counter(item.fate for item in items)
     new = sum(one.fate == "new" and one.known is None for one in items)
     return page(
         request,
         "preview.html",
+        200 if fault is None else 422,
         preview=waiting,
         waiting=MOST_OF_ACCOUNT,
+        given=given,
+        fault=fault,
         items=items,
         new=new,
         known=sum(one.known is not None for one in items),
@@ -159,15 +169,15 @@ def preview(request: Request, store: StoreOf, who: Owner, id: str, kept: KeptBef
 
 
 @router.post("/{id}/keep")
-async def keep_all(request: Request, who: Owner, id: str, kept: KeptBefore) -> Response:
+async def keep_all(request: Request, store: StoreOf, who: Owner, id: str, kept: KeptBefore) -> Response:
     """Keep what was shown, and lead to what became of it; once, also where the form is sent twice."""
     if kept is None:
         waiting = _preview(request, who, id)
         fields = await form_of(request)
         try:
-            wishes = Wishes(fields.get("visibility") or None, fields.get("owner", "").strip() or None)
+            wishes = Wishes.of_form(fields)
         except StoreError as error:
-            raise problem(422, str(error)) from None
+            return await run_in_threadpool(_shown, request, store, who, waiting, fields, str(error))
         await run_in_threadpool(keep, state_of(request), who, waiting, wishes)
     return _to_kept(id)
 

@@ -3,53 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from palpate.server.problems import problem
-from palpate.server.receiving import check_owner
 from palpate.server.security.accounts import Account
 from palpate.server.state import State
 from palpate.server.uploading.previews import Preview
-from palpate.store.errors import StoreError
+from palpate.server.uploading.wishes import Wishes
 from palpate.store.importing.intake import import_paths
-from palpate.store.importing.items import Fate, Item, Outcome, identified
+from palpate.store.importing.items import Fate, Item, Outcome
 from palpate.store.opening import open_store
-from palpate.store.records import VISIBILITIES, Recording
+from palpate.store.records import Recording
 from palpate.store.store import Store
 
-__all__ = ["Wishes", "keep"]
-
-
-@dataclass(frozen=True)
-class Wishes:
-    """What is wanted for all recordings of an upload.
-
-    Attributes
-    ----------
-    visibility
-        As each states where it is None.
-    owner
-        Of those that state none; it stays so where this is None.
-    """
-
-    visibility: str | None = None
-    owner: str | None = None
-
-    def __post_init__(self) -> None:
-        if self.visibility is not None and self.visibility not in VISIBILITIES:
-            raise StoreError(f"visibility: found {self.visibility[:40]!r}, expected one of {', '.join(VISIBILITIES)}")
-
-    def of(self, recording: Recording, who: Account) -> Recording:
-        """The recording as it is wanted; StoreError where the account may not keep it so."""
-        if self.owner is not None and recording.owner is None:
-            recording = identified(replace(recording, owner=self.owner))
-        if self.visibility is not None:
-            recording = replace(recording, visibility=self.visibility)
-        check_owner(recording, who)
-        return recording
+__all__ = ["keep"]
 
 
 class _Waiting:
