@@ -93,7 +93,8 @@ def test_a_server_that_hangs_changes_nothing(
     [
         (("--to", "http://x/api/v1"), "expected --live alone"),
         (("--live", "--record", "--to", "http://x/api/v1"), "--record, which keeps it here, was found"),
-        (("--live", "--to", "x"), "'x' is no address of a server"),
+        (("--live", "--to", "x:8000"), "'x:8000' is no address of a server, expected https://x:8000 or http://x:8000"),
+        (("--live", "--to", "http://x/objects"), "which ends in /api/v1: expected http://x/api/v1"),
         (("--live", "--to", "http://x/api/v1", "--store", "s.sqlite"), "--store and --blobs are for"),
     ],
 )

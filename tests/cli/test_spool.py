@@ -68,6 +68,28 @@ def test_where_they_were_sent_is_told(run: Run, spool: Spool, tmp_path: Path) ->
     assert run("spool", "upload", "--spool", spool.folder, "--to", place).err == ""
 
 
+@pytest.mark.parametrize(
+    ("to", "said"),
+    [
+        ("localhost:8000", "for a server expected http://localhost:8000, or https://..."),
+        ("touch.example.org/api/v1", "for a server expected http://touch.example.org/api/v1, or https://..."),
+        ("HTTP://touch.example.org/objects", "which ends in /api/v1: expected http://touch.example.org/api/v1"),
+        ("http://127.0.0.1:9/api/v1/recordings/", "which ends in /api/v1: expected http://127.0.0.1:9/api/v1"),
+    ],
+)
+def test_the_address_of_a_server_that_is_none_makes_no_store(
+    run: Run, spool: Spool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, to: str, said: str
+) -> None:
+    """A new file of that name would take the recordings where nobody looks for them; a store that is there may."""
+    monkeypatch.chdir(tmp_path)
+    spool.add(squeeze())
+    assert said in run("spool", "upload", "--spool", spool.folder, "--to", to).refused
+    assert [path.name for path in tmp_path.iterdir()] == ["spool"]
+    assert len(spool.waiting()) == 1
+    with open_store(tmp_path / "made:1"):
+        assert run("spool", "upload", "--spool", spool.folder, "--to", "made:1").code == 0
+
+
 def test_nothing_is_made_for_nothing(run: Run, spool: Spool, tmp_path: Path) -> None:
     """Where nothing waits there is neither a store nor a folder made."""
     with spool.claimed(name := spool.add(squeeze())):

@@ -9,12 +9,11 @@ from uuid import UUID
 
 import pytest
 
-from palpate.client import NotAllowedError, RefusedError, UnreachableError
+from palpate.client import BackOff, NotAllowedError, RefusedError, UnreachableError
 from palpate.recording.errors import RecordingError
 from palpate.recording.outbox import Outbox
 from palpate.recording.posting import Poster
 from palpate.recording.spool import Spool
-from palpate.recording.uploading import BackOff
 from palpate.store.episodes import StoredEpisode, StoredStep
 from palpate.store.errors import DamagedError
 from palpate.store.records import Receipt, Recording

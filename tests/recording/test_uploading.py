@@ -7,10 +7,10 @@ from uuid import uuid4
 import pytest
 from hypothesis import given, settings
 
-from palpate.client import NotAllowedError, RefusedError, UnreachableError
+from palpate.client import BackOff, NotAllowedError, RefusedError, UnreachableError
 from palpate.recording.background import uploading
 from palpate.recording.spool import Spool
-from palpate.recording.uploading import BackOff, Sent, upload
+from palpate.recording.uploading import Sent, upload
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.opening import open_store
 from palpate.store.records import Receipt, Recording

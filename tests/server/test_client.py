@@ -4,6 +4,7 @@ import http.client
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from datetime import timedelta
+from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
@@ -15,9 +16,8 @@ from palpate.client.connection import Connection
 from palpate.server.app import application
 from palpate.server.settings import Settings
 from palpate.store.entries import Value
-from palpate.store.errors import StoreError
 from palpate.store.keeping_episodes import get_episode, put_episode
-from palpate.store.records import Channel, FileItem, Receipt, Recording, Series
+from palpate.store.records import Channel, Device, FileItem, Pose, Receipt, Recording, Series, Setup, ThingRef
 from palpate.store.store import Store
 from tests.server.serving import listening
 from tests.server.test_explorations import explored
@@ -105,8 +105,6 @@ def test_what_is_wrong_is_told(ann: Client, url: str, store: Store) -> None:
         Client(url, "palpate_wrong").get(hidden.id)
     with pytest.raises(NotAllowedError):
         next(Client(url, "").put_many(many(1)))
-    with pytest.raises(StoreError, match=r"entries\[0\]\.value: found nan, expected a finite number"):
-        ann.put(replace(squeeze(owner="ann"), entries=(Value("elasticity", float("nan"), None, "kPa"),)))
 
 
 def test_many_are_kept_or_refused_each_by_itself(ann: Client, store: Store) -> None:
@@ -123,6 +121,45 @@ def test_many_are_kept_or_refused_each_by_itself(ann: Client, store: Store) -> N
     assert [isinstance(became, RefusedError) for _, became in told] == [False, True, False, True]
     assert "blorp" in str(told[1][1])
     assert store.known([one.digest for one in sent]) == {good.digest, large.digest}
+
+
+NAN, INF = float("nan"), float("inf")
+NOTHING = np.zeros(2)
+FLAWED: dict[str, dict[str, Any]] = {
+    "entries[0].value: found nan, expected a finite number": {"entries": (Value("elasticity", NAN, None, "kPa"),)},
+    "entries[0].sd: found inf": {"entries": (Value("elasticity", 1.0, INF, "kPa"),)},
+    "grasp": {"grasp": {"force_n": [1.0, -INF]}},
+    "grasp.tags": {"grasp": {"tags": {"a"}}},
+    "gripper_pose.translation_m": {"gripper_pose": Pose((0.0, NAN, 0.0), None, "base")},
+    "setup.gripper.parameters": {"setup": Setup(gripper=Device("gripper", "hand", None, {"stroke_mm": NAN}))},
+    "thing.attributes": {"thing": ThingRef("ycb", "mug", attributes={"height_mm": INF})},
+    "thing.attributes.tags": {"thing": ThingRef("ycb", "mug", attributes={"tags": {"a"}})},
+    "rate_hz": {"series": (Series("arm", (Channel("load", "mass", "g", NOTHING, rate_hz=NAN),)),)},
+    "time_s": {"series": (Series("arm", (Channel("load", "mass", "g", NOTHING, None, np.array([0.0, NAN])),)),)},
+    "there is no file": {"files": (FileItem("a.png", "image/png", Path("/nowhere/a.png")),)},
+    "log": {"log": "\ud800"},
+}
+
+
+@pytest.mark.parametrize("store", ["sqlite"], indirect=True)
+def test_what_json_cannot_hold_is_a_sentence(ann: Client, store: Store) -> None:
+    """Which recording and which field, the same of one and of many; the others are kept, in their order."""
+    flawed = [replace(squeeze(n, owner="ann"), **changes) for n, changes in enumerate(FLAWED.values())]
+    good = squeeze(99, owner="ann")
+    told = list(ann.put_many([*flawed[:5], good, *flawed[5:]]))
+    assert isinstance(told.pop(5)[1], Receipt)
+    for field, one, (sent, became) in zip(FLAWED, flawed, told, strict=True):
+        assert sent is one
+        with pytest.raises(RefusedError) as alone:
+            ann.put(one)
+        assert field in str(alone.value)
+        assert str(became) == str(alone.value)
+        assert str(became).startswith(f"recording {one.id}: ")
+    gaps = Channel("load", "mass", "g", np.array([NAN, 1.0, INF]), rate_hz=50.0)
+    for n, put in enumerate((ann.put, lambda one: next(ann.put_many([one]))[1])):
+        whole = replace(squeeze(n, owner="ann"), series=(Series("arm", (gaps,)),))
+        assert isinstance(put(whole), Receipt)
+        np.testing.assert_array_equal(ann.get(whole.digest).series[0].channels[0].values, gaps.values)
 
 
 def test_a_request_that_is_too_large_goes_in_parts(ann: Client, store: Store) -> None:

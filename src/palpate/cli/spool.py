@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 __all__ = ["app"]
 
 app = typer.Typer(help="List, recover and send what was recorded and is in no store yet.")
+
+SERVER = re.compile(r"[\w.-]+:\d+(/.*)?|.*/api/v1/?")
+"""What is meant as the address of a server, and lacks its beginning."""
 
 Folder = Annotated[
     Path | None, typer.Option("--spool", metavar="FOLDER", help="The spool; unless given PALPATE_SPOOL, or the user's.")
@@ -64,8 +68,8 @@ def upload(
     The exit code is 1 where something still waits or was refused.
     """
     from palpate.cli.spool_view import print_sent, print_sent_episodes
+    from palpate.client import BackOff
     from palpate.recording.outbox import Outbox
-    from palpate.recording.uploading import BackOff
     from palpate.recording.uploading import upload as send
 
     found = _found(spool)
@@ -94,15 +98,27 @@ def _found(folder: Path | None) -> Spool:
 @contextmanager
 def _receiver(place: str | None) -> Iterator[tuple[Receiver, Callable[[StoredEpisode], object], str]]:
     """What takes recordings, what takes explorations, and where both are, for people to read."""
-    if place is not None and place.startswith(("http://", "https://")):
+    if place is not None and place.lower().startswith(("http://", "https://")):
         from palpate.client import Client
 
         client = Client(place)
         yield client, client.put_episode, client.url
         return
+    _check_store(place)
     from palpate.cli.storing import tell_made
     from palpate.store.keeping_episodes import put_episode
     from palpate.store.opening import open_store
 
     with open_store(place, made=tell_made) as store:
         yield store, partial(put_episode, store), repr(store.engine.url)
+
+
+def _check_store(place: str | None) -> None:
+    """Refuse the address of a server that would be the name of a new store here, where nobody looks for it."""
+    if place is None or not SERVER.fullmatch(place) or Path(place).exists():
+        return
+    from palpate.errors import PalpateError
+
+    raise PalpateError(
+        f"--to {place!r}: is no store that there is; for a server expected http://{place}, or https://..."
+    )

@@ -6,17 +6,31 @@ body and the token as ``Authorization: Bearer <token>``. The answer, 200 where t
 ``detail`` is one sentence.
 """
 
+from palpate.client.back_off import BackOff, Patience
 from palpate.client.client import Client
-from palpate.client.errors import NotAllowedError, NotThereError, ReceiverError, RefusedError, UnreachableError
-from palpate.client.receiver import HttpReceiver, Receiver
+from palpate.client.errors import (
+    BusyError,
+    NotAllowedError,
+    NotThereError,
+    ReceiverError,
+    RefusedError,
+    UnreachableError,
+    asked_s,
+)
+from palpate.client.receiver import HttpReceiver, Receiver, once
 
 __all__ = [
+    "BackOff",
+    "BusyError",
     "Client",
     "HttpReceiver",
     "NotAllowedError",
     "NotThereError",
+    "Patience",
     "Receiver",
     "ReceiverError",
     "RefusedError",
     "UnreachableError",
+    "asked_s",
+    "once",
 ]

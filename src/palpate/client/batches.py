@@ -8,7 +8,7 @@ from typing import Any
 
 from palpate.client.connection import Connection
 from palpate.client.errors import RefusedError
-from palpate.client.receiver import receipt_of
+from palpate.client.receiver import check_sendable, receipt_of
 from palpate.store.importing.lines import line_of
 from palpate.store.records import FileItem, Receipt, Recording
 
@@ -20,17 +20,26 @@ LARGE_BYTES = 4 << 20
 """A recording that is sent by itself, as a package."""
 
 
-def chunks(recordings: Iterable[Recording]) -> Iterator[list[Recording]]:
-    """As many as go into one request."""
-    found, size_bytes = list[Recording](), 0
+def chunks(recordings: Iterable[Recording]) -> Iterator[list[tuple[Recording, RefusedError | None]]]:
+    """As many as go into one request, each with the reason why it cannot be sent, where there is one."""
+    found, size_bytes = list[tuple[Recording, RefusedError | None]](), 0
     for recording in recordings:
-        found.append(recording)
-        size_bytes += _size_bytes(recording)
+        flaw = _flaw(recording)
+        found.append((recording, flaw))
+        size_bytes += 0 if flaw else _size_bytes(recording)
         if len(found) >= AT_ONCE or size_bytes >= LARGEST_CHUNK_BYTES:
             yield found
             found, size_bytes = [], 0
     if found:
         yield found
+
+
+def _flaw(recording: Recording) -> RefusedError | None:
+    try:
+        check_sendable(recording)
+    except RefusedError as error:
+        return error
+    return None
 
 
 def is_large(recording: Recording) -> bool:
@@ -40,6 +49,8 @@ def is_large(recording: Recording) -> bool:
 
 def known(connection: Connection, recordings: Sequence[Recording]) -> dict[str, Receipt]:
     """Receipts of those that the server has, by digest."""
+    if not recordings:
+        return {}
     asked = [recording.digest for recording in recordings]
     headers = {"Content-Type": "application/json"}
     answer = connection.ask_plain("POST", "/recordings/known", json.dumps({"digests": asked}).encode(), headers)

@@ -38,7 +38,7 @@ class Client(HttpReceiver):
 
     Parameters
     ----------
-    url, token, timeout_s
+    url, token, timeout_s, patience
         As of `HttpReceiver`. What is public needs no token.
 
     Examples
@@ -159,9 +159,10 @@ class Client(HttpReceiver):
             As `put`; what was given before is kept.
         """
         for chunk in chunks(recordings):
-            outcomes: dict[str, Receipt | RefusedError] = {**known(self._connection, chunk)}
-            outcomes |= self._sent([one for one in chunk if one.digest not in outcomes])
-            yield from ((one, outcomes[one.digest]) for one in chunk)
+            whole = [one for one, flaw in chunk if flaw is None]
+            outcomes: dict[str, Receipt | RefusedError] = {**known(self._connection, whole)}
+            outcomes |= self._sent([one for one in whole if one.digest not in outcomes])
+            yield from ((one, flaw or outcomes[one.digest]) for one, flaw in chunk)
 
     def _sent(self, recordings: Sequence[Recording]) -> dict[str, Receipt | RefusedError]:
         small = [one for one in recordings if not is_large(one)]

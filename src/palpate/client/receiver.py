@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from copy import copy
 from tempfile import SpooledTemporaryFile
-from typing import Any, Protocol
+from typing import Any, Protocol, Self, TypeVar
 from uuid import UUID
 
+from palpate.client.back_off import Patience
 from palpate.client.connection import Connection
-from palpate.client.errors import NotThereError, UnreachableError
+from palpate.client.errors import NotThereError, RefusedError, UnreachableError
 from palpate.store.checks import check
+from palpate.store.errors import StoreError
 from palpate.store.importing.package import pack
 from palpate.store.records import Receipt, Recording
 
-__all__ = ["HttpReceiver", "Receiver"]
+__all__ = ["HttpReceiver", "Receiver", "check_sendable", "once", "receipt_of"]
 
 IN_MEMORY = 8 << 20
 
@@ -22,6 +25,9 @@ class Receiver(Protocol):
 
     def put(self, recording: Recording) -> Receipt:
         """Keep a recording; when this returns it is kept. The same again is no second one."""
+
+
+R = TypeVar("R", bound=Receiver)
 
 
 class HttpReceiver:
@@ -36,6 +42,9 @@ class HttpReceiver:
         Says who is sending; the environment variable ``PALPATE_TOKEN`` unless given. It goes to no other address.
     timeout_s
         How long to wait for an answer.
+    patience
+        How it goes on with a server that is busy (503, or 429 where it is asked too often): it asks again, after as
+        long as ``Retry-After`` says, a few times; whatever it asks or sends may be asked or sent twice.
 
     Raises
     ------
@@ -43,13 +52,21 @@ class HttpReceiver:
         If the address is none of a server.
     """
 
-    def __init__(self, url: str, token: str | None = None, *, timeout_s: float = 60.0) -> None:
-        self._connection = Connection(url, token, timeout_s)
+    def __init__(
+        self, url: str, token: str | None = None, *, timeout_s: float = 60.0, patience: Patience | None = None
+    ) -> None:
+        self._connection = Connection(url, token, timeout_s, patience)
 
     @property
     def url(self) -> str:
         """Where it is."""
         return self._connection.url
+
+    def without_waits(self) -> Self:
+        """The same, for those who wait themselves: a server that is busy is a `BusyError` at once."""
+        found = copy(self)
+        found._connection = self._connection.without_waits()
+        return found
 
     def put(self, recording: Recording) -> Receipt:
         """Send a recording and wait for the server's answer.
@@ -61,16 +78,11 @@ class HttpReceiver:
         NotAllowedError
             If the server does not know the token, or it may not do this.
         RefusedError
-            If the server will not have the recording.
-        StoreError
-            If no store can have it, as a number in it is not finite; nothing is sent then.
+            If the server will not have the recording, or no store can have it, as a number in it is not finite;
+            nothing is sent then.
         """
-        try:
-            digest = recording.digest
-        except ValueError:
-            # this names the field, which whoever writes JSON does not know
-            check(recording, is_new=False)
-            raise
+        check_sendable(recording)
+        digest = recording.digest
         with SpooledTemporaryFile(max_size=IN_MEMORY) as package:
             pack(recording, package)
             headers = {"Content-Type": "application/zip", "Content-Length": str(package.tell())}
@@ -81,6 +93,26 @@ class HttpReceiver:
                 # the address is wrong: what waits goes on waiting
                 raise UnreachableError(f"{error}; answered 404, expected the address of a service") from None
         return receipt_of(self._connection, answer, digest)
+
+
+def check_sendable(recording: Recording) -> None:
+    """Refuse what no store can have: a part of it cannot be written, and the server would name only the line.
+
+    Raises
+    ------
+    RefusedError
+        Naming the recording and the field.
+    """
+    try:
+        # whether it is in the future is for the server's clock to say
+        check(recording, now=recording.recorded_at, is_new=False)
+    except StoreError as error:
+        raise RefusedError(f"recording {recording.id}: {error}; nothing of it was sent") from None
+
+
+def once(receiver: R) -> R:
+    """The same receiver, which does not wait by itself for a server that is busy: for those who try again."""
+    return receiver.without_waits() if isinstance(receiver, HttpReceiver) else receiver
 
 
 def receipt_of(connection: Connection, answer: Any, digest: str) -> Receipt:

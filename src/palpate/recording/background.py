@@ -9,9 +9,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from time import monotonic
 
-from palpate.client import NotAllowedError, Receiver, UnreachableError
+from palpate.client import BackOff, NotAllowedError, Receiver, UnreachableError, asked_s
 from palpate.recording.spool import Spool
-from palpate.recording.uploading import BackOff, attempt
+from palpate.recording.uploading import attempt
 from palpate.store.errors import UnavailableError
 
 __all__ = ["Uploader", "uploading"]
@@ -76,7 +76,8 @@ class Uploader:
                 # whatever it is: a thread that ended would send nothing any more, and nobody would see it
                 self.error, failures = error, failures + 1
                 _log.exception("not sent yet")
-            self._stopped.wait(self._back_off.wait_s(failures) if failures else self._every_s)
+            asked = 0.0 if self.error is None else asked_s(self.error)
+            self._stopped.wait(self._back_off.wait_s(failures, asked) if failures else self._every_s)
 
     def _pass(self) -> Exception | None:
         """Try each recording whose time has come, and return the last error that is about one of them."""

@@ -10,10 +10,10 @@ from queue import SimpleQueue
 from typing import Protocol
 from uuid import UUID
 
-from palpate.client import Receiver, ReceiverError, UnreachableError
+from palpate.client import BackOff, Receiver, ReceiverError, UnreachableError, asked_s, once
 from palpate.recording.outbox import Outbox
 from palpate.recording.spool import Spool
-from palpate.recording.uploading import BackOff, attempt
+from palpate.recording.uploading import attempt
 from palpate.store.episodes import StoredEpisode, StoredStep
 from palpate.store.errors import StoreError, UnavailableError
 
@@ -60,7 +60,7 @@ class Poster:
     def __init__(self, spool: Spool, server: Server, episode: StoredEpisode, *, back_off: BackOff = OFTEN) -> None:
         self.error: Exception | None = None
         self._spool = spool
-        self._server = server
+        self._server = once(server)
         self._id = episode.id
         self._back_off = back_off
         self._outgoing = Outbox(spool).begin(episode)
@@ -109,7 +109,7 @@ class Poster:
             except (UnreachableError, UnavailableError, OSError) as error:
                 self.error, failures = error, failures + 1
                 _log.info("not sent yet: %s", error)
-                self._stopped.wait(self._back_off.wait_s(failures))
+                self._stopped.wait(self._back_off.wait_s(failures, asked_s(error)))
             except (ReceiverError, StoreError) as error:
                 # the same again would be refused again
                 self.error = error

@@ -3,52 +3,19 @@
 from __future__ import annotations
 
 import logging
-import random
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from palpate.client import Receiver, ReceiverError, RefusedError, UnreachableError
+from palpate.client import BackOff, Receiver, ReceiverError, RefusedError, UnreachableError, asked_s, once
 from palpate.recording.spool import Spool
 from palpate.store.checks import check
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.records import Receipt, Recording
 
-__all__ = ["BackOff", "Sent", "attempt", "send", "upload"]
+__all__ = ["Sent", "attempt", "send", "upload"]
 
 _log = logging.getLogger("palpate.recording")
-
-
-@dataclass(frozen=True)
-class BackOff:
-    """How often and after how long to try again; each wait is longer, and shortened by chance to half at most.
-
-    Examples
-    --------
-    >>> BackOff(first_s=1.0, longest_s=5.0).longest_waits(4)
-    [1.0, 2.0, 4.0, 5.0]
-    """
-
-    attempts: int = 5
-    first_s: float = 0.5
-    factor: float = 2.0
-    longest_s: float = 300.0
-
-    def longest_waits(self, count: int) -> list[float]:
-        """The first waits, not shortened [s]."""
-        return [self._longest_wait_s(failures) for failures in range(1, count + 1)]
-
-    def wait_s(self, failures: int) -> float:
-        """How long to wait after so many failures."""
-        # among many robots that lost one server at once, chance keeps them from coming back at once
-        return self._longest_wait_s(failures) * random.uniform(0.5, 1.0)
-
-    def _longest_wait_s(self, failures: int) -> float:
-        try:
-            return min(self.first_s * self.factor ** (failures - 1), self.longest_s)
-        except OverflowError:
-            # after days without a server the power is beyond every number
-            return self.longest_s
 
 
 @dataclass(frozen=True)
@@ -84,7 +51,7 @@ def upload(
     UnreachableError
         If the receiver does not answer after all attempts; likewise.
     """
-    trying = _Trying(receiver, back_off or BackOff(), sleep)
+    trying = _Trying(once(receiver), back_off or BackOff(), sleep)
     for name in spool.waiting():
         with spool.claimed(name) as is_mine:
             if is_mine:
@@ -105,7 +72,7 @@ def send(spool: Spool, name: str, receiver: Receiver) -> Sent | None:
 def attempt(spool: Spool, name: str, receiver: Receiver) -> Sent | None:
     """As `send`, but a receiver that does not answer, a wrong token and a disk that fails are errors."""
     with spool.claimed(name) as is_mine:
-        return _send(spool, name, _Trying(receiver, BackOff(attempts=1), time.sleep)) if is_mine else None
+        return _send(spool, name, _Trying(once(receiver), BackOff(attempts=1), time.sleep)) if is_mine else None
 
 
 def _send(spool: Spool, name: str, trying: _Trying) -> Sent:
@@ -144,5 +111,5 @@ class _Trying:
             except (UnreachableError, UnavailableError) as error:
                 # a store that is busy may have time later
                 _log.info("trying again: %s", error)
-                self.sleep(self.back_off.wait_s(failures))
+                self.sleep(self.back_off.wait_s(failures, asked_s(error)))
         return self.receiver.put(recording)
