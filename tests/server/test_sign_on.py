@@ -1,9 +1,13 @@
 """Logging in by an OpenID provider: only by what it has signed for this server, this browser and now."""
 
+import re
 import time
+from base64 import urlsafe_b64encode
 from collections.abc import Iterator
 from dataclasses import replace
+from html import escape, unescape
 from typing import Any
+from urllib.parse import urlencode
 
 import pytest
 from fastapi.testclient import TestClient
@@ -102,6 +106,66 @@ def test_an_administrator_says_who_somebody_is(client: TestClient, store: Store,
         link(store, "bob", email="ANN@lab.example")
     with pytest.raises(StoreError, match="'carla' has no account"):
         link(store, "carla", email="carla@lab.example")
+
+
+ELSEWHERE = (
+    "//evil.example/",
+    "/\\evil.example/",
+    "/\t/evil.example/",
+    "/\n/evil.example/",
+    "https://evil.example/",
+    "javascript:alert(1)",
+    "upload",
+    "/x\r\nSet-Cookie: a=b",
+    "/login/provider",
+    "/" + "x" * 3000,
+    "",
+)
+"""Places that nobody is led to from a log-in."""
+
+
+@pytest.mark.parametrize("store", ["sqlite"], indirect=True)
+def test_they_come_back_to_the_page_where_they_were(client: TestClient, provider: FakeProvider) -> None:
+    """From that page by the link on top and the log-in to the provider, and on from there also where it failed."""
+    page = "/recordings?text=a%26b&limit=7"
+    (way,) = re.findall('class="who" href="([^"]*)"', client.get(page).text)
+    (leave,) = re.findall(f'href="({START}[^"]*)"', client.get(unescape(way)).text)
+    back = provider.log_in(client.get(unescape(leave)).headers["location"])
+    found = client.get(back)
+    assert found.status_code == 200
+    assert f'content="0;url={escape(page)}"' in found.text
+    assert f'<a href="{escape(page)}">Go on</a>' in found.text
+    client.cookies.clear()
+    provider.log_in(client.get(unescape(leave)).headers["location"])
+    refused = client.get(f"{START}/back?state=another")
+    assert refused.status_code == 403
+    (again,) = re.findall('href="([^"]*)">Log in otherwise', refused.text)
+    assert unescape(leave) in unescape(client.get(unescape(again)).text)
+
+
+@pytest.mark.parametrize("store", ["sqlite"], indirect=True)
+def test_nobody_is_led_elsewhere_by_a_log_in(client: TestClient, provider: FakeProvider) -> None:
+    """Neither by the address that the log-in begins at, nor by a cookie that somebody else has written."""
+    first_page = urlsafe_b64encode(b"/").decode().rstrip("=")
+    for next in ELSEWHERE:
+        sent = client.get(f"{START}?{urlencode({'next': next})}")
+        assert client.cookies[ATTEMPT].split(".")[3] == first_page
+        (link,) = re.findall(f'href="({START}[^"]*)"', client.get(f"/login?{urlencode({'next': next})}").text)
+        assert link == START
+    assert 'content="0;url=/"' in client.get(provider.log_in(sent.headers["location"])).text
+    client.get(START)
+    known = client.cookies[ATTEMPT].rpartition(".")[0]
+    written = {urlsafe_b64encode(text.encode()).decode(): "/login" for text in ELSEWHERE[:4]}
+    for hidden, expected in {
+        **written,
+        "!": "/login",
+        "AAA": "/login",
+        "_w": "/login",
+        "L2E": "/login?next=/a",
+    }.items():
+        client.cookies.clear()
+        client.cookies.set(ATTEMPT, f"{known}.{hidden}", path=START)
+        assert f'href="{expected}">Log in otherwise' in client.get(f"{START}/back?state=another").text
 
 
 now = int(time.time())

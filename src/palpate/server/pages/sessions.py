@@ -11,7 +11,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from palpate.server.api.parameters import StoreOf
 from palpate.server.pages.templates import page
 from palpate.server.security.logging_in import log_in
-from palpate.server.security.returns import own_path
+from palpate.server.security.returns import log_in_for, own_path
 from palpate.server.security.sites import check_same_site, form_of
 from palpate.server.security.tokens import end
 from palpate.server.security.who import COOKIE, SESSION, Who
@@ -66,4 +66,8 @@ def leave(request: Request, store: StoreOf) -> Response:
 def _form(request: Request, status: int, *, wrong: bool, name: str, next: str) -> HTMLResponse:
     provider = state_of(request).provider
     host = None if provider is None else urlsplit(provider.issuer).hostname
-    return page(request, "login.html", status, wrong=wrong, name=name, provider=host, next=own_path(next))
+    back = own_path(next)
+    by_provider = log_in_for(back, "/login/provider")
+    return page(
+        request, "login.html", status, wrong=wrong, name=name, provider=host, by_provider=by_provider, next=back
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from base64 import urlsafe_b64decode, urlsafe_b64encode
 from hmac import compare_digest
 from urllib.parse import quote
 
@@ -16,6 +17,7 @@ from palpate.server.pages.templates import page
 from palpate.server.problems import problem
 from palpate.server.security.identities import UnknownPersonError, account_name
 from palpate.server.security.logging_in import SESSION_DAYS
+from palpate.server.security.returns import log_in_for, own_path
 from palpate.server.security.single_sign_on import Attempt, Provider, SignOnError
 from palpate.server.security.tokens import issue
 from palpate.server.state import state_of
@@ -34,12 +36,13 @@ _log = logging.getLogger("palpate.server")
 def leave(request: Request) -> Response:
     """Send a browser to the provider, and leave in it what its answer is known by."""
     provider, attempt = _provider(request), Attempt.new()
+    next = own_path(request.query_params.get("next", "/"))
     try:
         found = RedirectResponse(provider.address(attempt, _back(request)), 303)
     except SignOnError as error:
         _log.error("%s: %s", provider.issuer, error)
-        return page(request, "sign_on.html", 502, told=str(error))
-    value = ".".join((attempt.state, attempt.nonce, attempt.verifier))
+        return page(request, "sign_on.html", 502, told=str(error), again=log_in_for(next))
+    value = ".".join((attempt.state, attempt.nonce, attempt.verifier, _hidden(next)))
     secure = state_of(request).settings.secure
     # the provider sends the browser back from elsewhere, where a strict cookie would stay behind
     found.set_cookie(COOKIE, value, ATTEMPT_S, path=PATH, httponly=True, samesite="lax", secure=secure)
@@ -50,23 +53,24 @@ def leave(request: Request) -> Response:
 async def come_back(request: Request, store: StoreOf) -> Response:
     """Log in who the provider says it is; a page, as a browser that comes from elsewhere would not send the session."""
     provider, tries = _provider(request), state_of(request).tries
+    attempt, next = _attempt(request)
     tries.check(request, PATH)
     tries.count(request, PATH)
     try:
-        name = await run_in_threadpool(_name, request, store, provider)
+        name = await run_in_threadpool(_name, request, store, provider, attempt)
         secret = await run_in_threadpool(issue, store, name, days=SESSION_DAYS)
-        found: Response = page(request, "sign_on.html", told=None, name=name)
+        found: Response = page(request, "sign_on.html", told=None, name=name, next=next)
         begin_session(found, secret, secure=state_of(request).settings.secure)
     except (SignOnError, UnknownPersonError) as error:
         _log.warning("%s: %s", provider.issuer, error)
-        found = page(request, "sign_on.html", 403, told=str(error))
+        found = page(request, "sign_on.html", 403, told=str(error), again=log_in_for(next))
     # the answer to one question is taken once
     found.delete_cookie(COOKIE, path=PATH, httponly=True, samesite="lax")
     return found
 
 
-def _name(request: Request, store: Store, provider: Provider) -> str:
-    attempt, given = _attempt(request), request.query_params
+def _name(request: Request, store: Store, provider: Provider, attempt: Attempt | None) -> str:
+    given = request.query_params
     if attempt is None or not compare_digest(given.get("state", "").encode(), attempt.state.encode()):
         raise SignOnError("this is no answer to a log-in that this browser has begun; begin again")
     if given.get("iss", provider.issuer) != provider.issuer:
@@ -78,9 +82,25 @@ def _name(request: Request, store: Store, provider: Provider) -> str:
     return account_name(store, who, new_readers=state_of(request).settings.oidc_new_readers)
 
 
-def _attempt(request: Request) -> Attempt | None:
+def _attempt(request: Request) -> tuple[Attempt | None, str]:
+    """What the browser has kept: by what the answer is known, and the page that somebody comes from."""
     parts = request.cookies.get(COOKIE, "").split(".")
-    return Attempt(*parts) if len(parts) == 3 and all(parts) else None
+    if len(parts) != 4 or not all(parts):
+        return None, "/"
+    return Attempt(*parts[:3]), own_path(_shown(parts[3]))
+
+
+def _hidden(path: str) -> str:
+    """A path as a cookie can hold it, without a full stop."""
+    return urlsafe_b64encode(path.encode()).decode().rstrip("=")
+
+
+def _shown(hidden: str) -> str:
+    """The path that `_hidden` was given; none where somebody else has written it."""
+    try:
+        return urlsafe_b64decode(hidden + "=" * (-len(hidden) % 4)).decode()
+    except ValueError:
+        return ""
 
 
 def _provider(request: Request) -> Provider:

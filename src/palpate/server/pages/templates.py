@@ -38,7 +38,7 @@ def page(
     account = getattr(request.state, "account", Account())
     nonce = token_urlsafe(16)
     told = {"path": request.url.path, "query": dict(request.query_params), "account": account, "nonce": nonce}
-    told["may_upload"] = account.role >= Role.OWNER
+    told |= {"may_upload": account.role >= Role.OWNER, "way_in": way_in(request)}
     body = _environment().get_template(template).render({**told, **values})
     return HTMLResponse(body, status, {"Content-Security-Policy": policy(nonce), **(headers or {})})
 

@@ -7,7 +7,7 @@ from urllib.parse import quote
 
 from fastapi import Request
 
-__all__ = ["own_path", "way_in"]
+__all__ = ["log_in_for", "own_path", "way_in"]
 
 OWN = re.compile(r"/(?![/\\])[!-\[\]-~]*")
 LONGEST = 2000
@@ -35,4 +35,15 @@ def way_in(request: Request) -> str:
         return LOG_IN
     query = quote(request.url.query, safe="/?&=%+,:;@!$'()*~-._")
     path = own_path(quote(request.scope["path"]) + (f"?{query}" if query else ""))
-    return LOG_IN if path == "/" else f"{LOG_IN}?next={quote(path, safe='/')}"
+    return log_in_for(path)
+
+
+def log_in_for(path: str, log_in: str = LOG_IN) -> str:
+    """The address to log in at, and to come back from to a page of this site.
+
+    Examples
+    --------
+    >>> log_in_for("/upload?device=a"), log_in_for("/")
+    ('/login?next=/upload%3Fdevice%3Da', '/login')
+    """
+    return log_in if path == "/" else f"{log_in}?next={quote(path, safe='/')}"
