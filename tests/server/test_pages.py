@@ -177,3 +177,11 @@ def test_long_names_and_those_that_turn_round_stay_in_their_place(client: TestCl
     (rule,) = re.findall(r"^\.name \{(.*)\}$", client.get(style).text, re.MULTILINE)
     assert "unicode-bidi: isolate" in rule
     assert "line-clamp: 3" in rule
+
+
+def test_a_squeeze_that_is_not_drawn_as_one_says_why(client: TestClient, store: Store) -> None:
+    """On the page of the recording, below the name of the series."""
+    recording = squeeze(visibility="public")
+    store.put(recording)
+    page = client.get(f"/recordings/{recording.id}").text
+    assert "Stress over strain is not drawn: force has 3 numbers in each sample, expected one." in page

@@ -2,6 +2,7 @@ import base64
 import gzip
 import json
 import re
+from dataclasses import replace
 from typing import Any
 from uuid import uuid4
 
@@ -14,6 +15,7 @@ from palpate.robots.signal_files import wav
 from palpate.server.plots.curves import channel_plot
 from palpate.server.plots.final_beliefs import beliefs_plot
 from palpate.server.plots.interactive import figure_json
+from palpate.server.plots.no_squeeze import no_squeeze_words
 from palpate.server.plots.overlays import Laid, overlay
 from palpate.server.plots.plot import Plot
 from palpate.server.plots.points import points_plot
@@ -150,6 +152,39 @@ def test_a_squeeze_in_other_units_with_a_sample_missing_is_one(length: str, to_l
     whole = squeeze_of(spring(40.0, 1.5), held)
     assert whole is not None
     assert "left out" not in squeeze_words(whole)
+
+
+NUMBERS = np.arange(8.0)
+GAP, FORCE = Channel("gap", "position", "mm", NUMBERS, 10.0), Channel("load", "force", "N", NUMBERS, 10.0)
+UNITS = "expected mm, cm, m, um, µm"
+
+
+@pytest.mark.parametrize(
+    ("channels", "why"),
+    [
+        ((replace(GAP, unit="inch"), FORCE), f"gap is in inch, {UNITS}"),
+        ((replace(GAP, unit=None), FORCE), f"gap has no unit, {UNITS}"),
+        ((replace(GAP, unit="dimensionless"), FORCE), f"gap is in dimensionless, {UNITS}"),
+        ((GAP, replace(FORCE, unit="lbf")), "load is in lbf, expected N, kN, mN"),
+        ((GAP, replace(FORCE, quantity="squeeze force", unit="lbf")), ""),
+        ((GAP, replace(FORCE, values=np.ones((8, 3)))), "load has 3 numbers in each sample, expected one"),
+        ((GAP, replace(FORCE, values=np.ones((0, 3)))), "load has 3 numbers in each sample, expected one"),
+        ((GAP, replace(FORCE, values=NUMBERS[:5])), "gap has 8 samples and load 5, expected as many, taken together"),
+        ((GAP, replace(FORCE, values=np.full(8, np.nan))), "no sample has both gap and load"),
+        (
+            (GAP, FORCE, replace(GAP, name="finger 2")),
+            "gap and finger 2 may each be the gap, expected one in the series",
+        ),
+        ((GAP, FORCE, replace(FORCE, name="z")), "load and z may each be the force, expected one in the series"),
+        ((GAP,), ""),
+        ((FORCE, Channel("arm", "torque", "N*m", NUMBERS, 10.0)), ""),
+    ],
+)
+def test_why_something_is_no_squeeze_is_told(channels: tuple[Channel, ...], why: str) -> None:
+    """Of a series with a gap and a force in one sentence, and nothing of others."""
+    series = Series("gripper", channels)
+    assert squeeze_of(series, Held(area_mm2=100.0)) is None
+    assert no_squeeze_words(series) == (f"Stress over strain is not drawn: {why}." if why else "")
 
 
 def test_a_squeeze_of_something_very_stiff_says_that_it_is() -> None:

@@ -10,6 +10,7 @@ from palpate.server.api.downloads import BEGINNING_BYTES, NO_TYPE, safe_type
 from palpate.server.api.series import is_sound
 from palpate.server.pages.shown import Shown, shown
 from palpate.server.plots.curves import channel_plot
+from palpate.server.plots.no_squeeze import no_squeeze_words
 from palpate.server.plots.sounds import sound_in
 from palpate.server.plots.squeezes import FoundSqueeze, held_by, squeeze_of, squeeze_plot, squeeze_words
 from palpate.store.parts import Head, StoredFile, series_of
@@ -29,7 +30,11 @@ LARGEST_SOUND = 20 << 20
 
 @dataclass(frozen=True)
 class Signals:
-    """What a page shows of a series; `without_unit` are names of channels."""
+    """What a page shows of a series.
+
+    `words` are those of the squeeze, or tell why there is none where it looks like one; `without_unit` are names of
+    channels.
+    """
 
     name: str
     position: int
@@ -68,7 +73,7 @@ def _drawn(head: Head, series: Series, position: int) -> Signals:
         name=series.name,
         position=position,
         squeeze=None if squeeze is None else shown(squeeze_plot(squeeze), f"{address}/squeeze.json"),
-        words="" if squeeze is None else squeeze_words(squeeze),
+        words=no_squeeze_words(series) if squeeze is None else squeeze_words(squeeze),
         plots=plots,
         sounds=tuple(place for place, channel in enumerate(series.channels) if is_sound(channel)),
         left_out=len(series.channels) - len(plots),

@@ -16,7 +16,7 @@ from palpate.server.plots.drawing import number
 from palpate.server.plots.plot import Curve, Look, Numbers, Plot
 from palpate.store.records import Series, Setup
 
-__all__ = ["FoundSqueeze", "Held", "held_by", "squeeze_of", "squeeze_plot", "squeeze_words"]
+__all__ = ["MM", "NEWTON", "FoundSqueeze", "Held", "held_by", "squeeze_of", "squeeze_plot", "squeeze_words"]
 
 GAP_SD_MM = 0.1
 """Of the jaws of a gripper, where nothing more is known."""
