@@ -10,6 +10,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
+from uuid import UUID, uuid4
 from zipfile import ZIP_DEFLATED, ZipFile
 
 import pytest
@@ -21,14 +23,19 @@ from palpate.server.security.tokens import issue
 from palpate.server.uploading.previews import HOLDS_S, MOST_KEPT_OF_ACCOUNT, MOST_OF_ACCOUNT, Previews
 from palpate.server.uploading.saving import save
 from palpate.store.archive import export_archive
+from palpate.store.describing import change_thing
 from palpate.store.entries import Distribution, Value
+from palpate.store.episodes import StoredEpisode
+from palpate.store.keeping_episodes import get_episode, put_episode
 from palpate.store.listing import list_recordings
+from palpate.store.listing_episodes import list_episodes
 from palpate.store.opening import open_store
-from palpate.store.records import FileItem
+from palpate.store.records import FileItem, ThingRef
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer, VisibleFilter
 from tests.server.conftest import SMALL
 from tests.server.packages import package
+from tests.server.test_explorations import explored
 from tests.store.made_up import squeeze
 
 ORIGIN = {"Origin": "http://testserver"}
@@ -273,6 +280,82 @@ def test_a_wish_that_is_none_is_told_and_nothing_is_lost(ann: TestClient, store:
         assert "<option selected>ann</option>" in found.text
     assert list_recordings(store).rows == ()
     assert "1 recording is in the store" in ann.post(f"{address}/keep", data={"visibility": ""}).text
+
+
+def archive_of(place: Path, *episodes: StoredEpisode, **changes: Any) -> bytes:
+    """An archive as it is exported: a recording, explorations that it belongs to, and what is known of its object."""
+    recording = squeeze(1, thing=ThingRef("lab", "jar"), **changes)
+    place.mkdir(exist_ok=True)
+    with open_store(place / "other.sqlite", place / "others", durable=False) as other:
+        other.put(recording)
+        for episode in episodes:
+            first, *rest = episode.steps
+            put_episode(other, replace(episode, steps=(replace(first, recording=recording.digest), *rest)))
+        change_thing(other, recording.thing, lambda thing: thing.knowing(Value("mass", 118.0, unit="g"), "a scale"))
+        export_archive(other, place / "archive")
+    return zipped(folder(place / "archive"))
+
+
+def archive_with_all(place: Path) -> bytes:
+    """One of nobody, with an exploration of somebody else."""
+    episodes = (replace(explored(), owner=None), replace(explored(), id=uuid4(), owner="kim"))
+    return archive_of(place, *episodes, owner=None)
+
+
+def test_explorations_of_an_archive_are_kept_with_it(ann: TestClient, store: Store, tmp_path: Path) -> None:
+    """Theirs, after the recordings that they name; of others, and of objects, it is told what is not."""
+    sent = archive_with_all(tmp_path)
+    address, text = send(ann, {"archive.zip": sent})
+    assert "1 new recording, 1 exploration, <strong>1 refused</strong>, 1 left out" in text
+    reasons = fates(text)
+    (of_kim,) = (reason for source, reason in reasons.items() if "episode" in source)
+    assert "owner: found &#39;kim&#39;, expected &#39;ann&#39;" in of_kim
+    (of_objects,) = (reason for source, reason in reasons.items() if "objects" in source)
+    assert of_objects.startswith("1 known value of lab/jar: nothing of that is taken here; say it on the pages")
+    found = ann.post(f"{address}/keep", data={"visibility": "lab", "until": "2032-01-01", "owner": "ann"}).text
+    assert "1 recording is in the store, and 1 exploration" in found
+    (link,) = re.findall(r'href="(/episodes/[0-9a-f-]{36})"', found)
+    assert ann.get(link).status_code == 200
+    kept = get_episode(store, UUID(link.removeprefix("/episodes/")))
+    (row,) = list_recordings(store).rows
+    # it has another digest, as it has an owner now
+    assert (kept.steps[0].recording, kept.owner, kept.visibility) == (row.digest, "ann", "lab")
+    assert kept.embargoed_until == datetime(2032, 1, 1, tzinfo=UTC)
+    address, _ = send(ann, {"archive.zip": sent})
+    again = ann.post(f"{address}/keep", data={"owner": "ann"}).text
+    assert again.count("was there already") == 2
+    assert len(list_episodes(store).rows) == len(list_recordings(store).rows) == 1
+
+
+def test_an_exploration_that_cannot_be_kept_is_told(ann: TestClient, store: Store, tmp_path: Path) -> None:
+    """One under the id of another that is not seen, and one that no page could show; the recording is kept."""
+    mine = replace(explored(), owner="ann")
+    put_episode(store, replace(mine, owner="kim", steps=()))
+    header = {**mine.header, "belief": {"category": {"probabilities": {"jar": "much"}, "entropy_bits": 0.0}}}
+    odd = replace(mine, id=uuid4(), header=header)
+    address, text = send(ann, {"archive.zip": archive_of(tmp_path, mine, odd, owner="ann")})
+    (reason,) = (reason for source, reason in fates(text).items() if str(odd.id) in source)
+    assert "header: belief" in reason
+    found = ann.post(f"{address}/keep", data={"visibility": ""}).text
+    assert "1 recording is in the store</h1>" in found
+    assert f"{mine.id} is that of another exploration" in found
+    assert len(list_episodes(store).rows) == 1
+
+
+def test_an_exploration_that_grew_is_continued(ann: TestClient, store: Store, tmp_path: Path) -> None:
+    """What the store has of it stays; by its owner it takes further lines, and the same again changes nothing."""
+    mine = replace(explored(), owner="ann")
+    recording = squeeze(1, thing=ThingRef("lab", "jar"), owner="ann")
+    store.put(recording)
+    put_episode(store, replace(mine, steps=(replace(mine.steps[0], recording=recording.digest),)))
+    sent = {"archive.zip": archive_of(tmp_path, mine, owner="ann")}
+    for there in (1, 2):
+        address, text = send(ann, sent)
+        assert "known already" in text.partition("<h2>Explorations")[2]
+        found = ann.post(f"{address}/keep", data={"visibility": ""}).text
+        assert f'href="/episodes/{mine.id}"' in found
+        assert found.count("was there already") == there
+        assert len(get_episode(store, mine.id).steps) == len(mine.steps) > 1
 
 
 def test_cancelled_nothing_stays(ann: TestClient, store: Store) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Annotated, Any
+from uuid import UUID
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, TypeAdapter, ValidationError, model_validator
 
@@ -21,7 +22,7 @@ from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.keeping_episodes import get_episode, put_episode
 from palpate.store.visible_episodes import episode_is_of, episode_is_there, episode_is_visible, recordings_of_digests
 
-__all__ = ["MOST_LINES", "add", "begin", "last_at", "read_episode"]
+__all__ = ["MOST_LINES", "add", "begin", "check_whole", "keep_whole", "last_at", "read_episode"]
 
 MOST_LINES = 1_000
 MOST_BYTES = 32 << 20
@@ -108,7 +109,7 @@ def add(
     A line that is here already is known where it is the same. A line that comes before those in front of it, or is
     another one, is a 409.
     """
-    if who.role < Role.ADMIN and not episode_is_of(state.store, str(who.name), there.id):
+    if not _may_continue(state, who, there.id):
         raise problem(403, f"episode {there.id}: is not yours, expected one that this account has begun")
     lines = len(there.steps)
     if position > lines + 1:
@@ -143,16 +144,75 @@ def _check(episode: StoredEpisode) -> None:
     check_episode(episode)
     last = episode.steps[-1].record if episode.steps else episode.header
     where = "record" if episode.steps else "header"
-    _check_whole_numbers(where, last)
-    if "done_at" in last:
-        check_moment(f"{where}.done_at", done_at(last), datetime.now(UTC))
+    _check_numbers(where, last)
+    _check_all(where, episode)
+    _check_forms(where, last)
+
+
+def check_whole(episode: StoredEpisode) -> None:
+    """Refuse an exploration that comes with all its lines, and cannot be kept or shown.
+
+    Raises
+    ------
+    StoreError, LogError
+        Naming the line.
+    """
+    check_episode(episode)
+    if len(episode.steps) > MOST_LINES:
+        raise StoreError(f"steps: {len(episode.steps)} lines, expected {MOST_LINES} at most")
+    records = {f"steps[{number - 1}].record" if number else "header": one for number, one in enumerate(episode.records)}
+    for where, record in records.items():
+        _check_numbers(where, record)
+    _check_all("steps", episode)
+    for where, record in records.items():
+        _check_forms(where, record)
+
+
+def keep_whole(state: State, who: Account, episode: StoredEpisode) -> tuple[UUID, bool]:
+    """Keep an exploration with all its lines, once `check_whole` has found nothing: under which id, and if it is new.
+
+    Raises
+    ------
+    StoreError
+        If it is not theirs, the id is that of another one, or a recording of its steps is none that they see.
+    """
+    check_owner(episode, who)
+    if episode_is_there(state.store, episode.id):
+        is_seen = episode_is_visible(state.store, who.viewer, episode.id)
+        if is_seen and get_episode(state.store, episode.id).digest == episode.digest:
+            return episode.id, False
+        if not _may_continue(state, who, episode.id):
+            raise StoreError(f"id: {episode.id} is that of another exploration, expected an id of its own")
+    digests = [step.recording for step in episode.steps if step.recording is not None]
+    seen = recordings_of_digests(state.store, who.viewer, digests)
+    missing = next((digest for digest in digests if digest not in seen), None)
+    if missing is not None:
+        raise StoreError(f"recording: {missing} is not in the store, expected it to be kept before")
+    receipt = put_episode(state.store, episode, uploader=who.name)
+    return receipt.id, receipt.new
+
+
+def _may_continue(state: State, who: Account, key: UUID) -> bool:
+    return who.role >= Role.ADMIN or episode_is_of(state.store, str(who.name), key)
+
+
+def _check_all(where: str, episode: StoredEpisode) -> None:
     if len(episode.document) + sum(len(step.document) for step in episode.steps) > MOST_BYTES:
         raise StoreError(f"{where}: the exploration would be longer than {MOST_BYTES} bytes, expected fewer")
     read_episode(episode)
+
+
+def _check_numbers(where: str, record: Mapping[str, Any]) -> None:
+    _check_whole_numbers(where, record)
+    if "done_at" in record:
+        check_moment(f"{where}.done_at", done_at(record), datetime.now(UTC))
+
+
+def _check_forms(where: str, record: Mapping[str, Any]) -> None:
     for name, form in (("belief", BELIEF), ("gains_bits", GAINS)):
-        if name in last:
+        if name in record:
             try:
-                form.validate_python(last[name])
+                form.validate_python(record[name])
             except ValidationError as error:
                 first = error.errors()[0]
                 place = ".".join(map(str, (name, *(first["loc"]))))

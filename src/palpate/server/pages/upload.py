@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import IO, Annotated
+from uuid import UUID
 
 from fastapi import APIRouter, Depends, Request
 from fastapi.concurrency import run_in_threadpool
@@ -24,13 +25,13 @@ from palpate.server.uploading.keeping import keep
 from palpate.server.uploading.previews import MOST_OF_ACCOUNT, Preview, holder_of
 from palpate.server.uploading.reading import read
 from palpate.server.uploading.saving import save
-from palpate.server.uploading.showing import shown_of
+from palpate.server.uploading.showing import shown_episodes, shown_of
 from palpate.server.uploading.wishes import Wishes
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.importing.items import Fate
 from palpate.store.records import Receipt
 from palpate.store.store import Store
-from palpate.store.visible_episodes import recordings_of_digests
+from palpate.store.visible_episodes import episode_is_visible, recordings_of_digests
 
 __all__ = ["router"]
 
@@ -147,7 +148,7 @@ def _shown(
     request: Request, store: Store, who: Account, waiting: Preview, given: Mapping[str, str], fault: str | None
 ) -> HTMLResponse:
     """What was understood; with what was wanted, and what is wrong with that, where it could not be kept so."""
-    items = shown_of(store, who, waiting)
+    items, episodes = shown_of(store, who, waiting), shown_episodes(store, who, waiting)
     fates = Counter(item.fate for item in items)
     new = sum(one.fate == "new" and one.known is None for one in items)
     return page(
@@ -159,6 +160,7 @@ def _shown(
         given=given,
         fault=fault,
         items=items,
+        episodes=episodes,
         new=new,
         known=sum(one.known is not None for one in items),
         twice=fates["known"],
@@ -195,9 +197,10 @@ def told(request: Request, store: StoreOf, who: Owner, kept: KeptBefore) -> HTML
     refused = [one for one in outcomes if one["fate"] == Fate.REFUSED.value]
     left = [one for one in outcomes if one["fate"] == Fate.SKIPPED.value]
     held = [one for one in outcomes if "told" in one and one not in refused]
-    ids = recordings_of_digests(store, who.viewer, [one["digest"] for one in held])
-    there = [(one, ids[one["digest"]]) for one in held if one["digest"] in ids]
-    return page(request, "kept.html", there=there, refused=refused, left=left)
+    ids = recordings_of_digests(store, who.viewer, [one["digest"] for one in held if "digest" in one])
+    there = [(one, ids[one["digest"]]) for one in held if one.get("digest") in ids]
+    explored = [one for one in held if "episode" in one and episode_is_visible(store, who.viewer, UUID(one["episode"]))]
+    return page(request, "kept.html", there=there, explored=explored, refused=refused, left=left)
 
 
 @router.post("/{id}/cancel")

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
+from uuid import UUID
 
+from palpate.server.explorations import keep_whole
 from palpate.server.problems import problem
 from palpate.server.security.accounts import Account
 from palpate.server.state import State
 from palpate.server.uploading.previews import Preview
 from palpate.server.uploading.wishes import Wishes
+from palpate.store.episodes import StoredEpisode
+from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.importing.intake import import_paths
 from palpate.store.importing.items import Fate, Item, Outcome
+from palpate.store.keeping_episodes import get_episode
 from palpate.store.opening import open_store
 from palpate.store.records import Recording
 from palpate.store.store import Store
@@ -29,6 +34,8 @@ class _Waiting:
         self._preview = preview
         self._wishes = wishes
         self._who = who
+        self.digests = dict[str, str]()
+        """Of those that were read: as they were sent, and as they are wanted."""
 
     def owns(self, path: Path) -> bool:
         """The store in which they are."""
@@ -45,20 +52,43 @@ class _Waiting:
             yield Item(source, partial(self._read, digest))
 
     def _read(self, digest: str) -> Recording:
-        return self._wishes.of(self._scratch.get(digest), self._who)
+        wanted = self._wishes.of(self._scratch.get(digest), self._who)
+        self.digests[digest] = wanted.digest
+        return wanted
 
 
 def keep(state: State, who: Account, preview: Preview, wishes: Wishes) -> None:
-    """Keep all recordings of a preview, and note what became of each; then nothing of it waits any more."""
+    """Keep all recordings and explorations of a preview, and note what became of each; then nothing waits any more."""
     with state.previews.taken(preview) as mine:
         if mine is None:
             raise problem(404, "there is no upload that waits here: it was kept or cancelled just now")
         with open_store(mine.place, mine.blobs, durable=False, make=False) as scratch:
             waiting = _Waiting(scratch, mine, wishes, who)
             outcomes = list(import_paths(state.store, [mine.place], [waiting], uploader=who.name))
+            # their recordings are there by now
+            episodes = list(
+                _keep_episodes(state, who, mine, scratch, partial(wishes.of_episode, digests=waiting.digests))
+            )
         # what was found wrong when it was read stands on the page before, which is gone now
         before = [one for one in mine.found() if one["fate"] in (Fate.REFUSED.value, Fate.SKIPPED.value)]
-        mine.note_kept([*before, *(_noted(outcome) for outcome in outcomes)])
+        mine.note_kept([*before, *(_noted(outcome) for outcome in outcomes), *episodes])
+
+
+def _keep_episodes(
+    state: State, who: Account, preview: Preview, scratch: Store, wanted: Callable[[StoredEpisode], StoredEpisode]
+) -> Iterator[dict[str, Any]]:
+    told = {one["episode"]["id"]: one for one in preview.found() if one["episode"] is not None}
+    for key, one in told.items():
+        noted = {"source": one["source"], "fate": Fate.REFUSED.value, "reason": None}
+        try:
+            id, is_new = keep_whole(state, who, wanted(get_episode(scratch, UUID(key))))
+        except UnavailableError:
+            raise
+        except StoreError as error:
+            yield {**noted, "reason": str(error)}
+            continue
+        fate = Fate.NEW if is_new else Fate.KNOWN
+        yield {**noted, "fate": fate.value, "episode": str(id), "told": f"Exploration of {one['episode']['thing']}"}
 
 
 def _noted(outcome: Outcome) -> dict[str, Any]:

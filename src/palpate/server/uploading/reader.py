@@ -17,6 +17,7 @@ from typing import Any
 from palpate.errors import PalpateError
 from palpate.server.receiving import check_owner
 from palpate.server.security.accounts import Account, Role
+from palpate.server.uploading.archives import EpisodeOutcome, more_of
 from palpate.server.uploading.limits import limit_process
 from palpate.server.uploading.previews import FOUND, TASK, Preview
 from palpate.store.errors import StoreError
@@ -28,10 +29,11 @@ from palpate.store.importing.columns import ColumnMap
 from palpate.store.importing.finding import UNKNOWN
 from palpate.store.importing.formats import all_formats
 from palpate.store.importing.intake import import_paths
-from palpate.store.importing.items import Fate, Format, Item, Outcome
+from palpate.store.importing.items import Fate, Format, HoldsMore, Item, Outcome
 from palpate.store.importing.reading_columns import read_columns
 from palpate.store.opening import open_store
 from palpate.store.records import Recording
+from palpate.store.store import Store
 from palpate.store.units import admit_units
 
 __all__ = ["main"]
@@ -63,6 +65,10 @@ class Theirs:
         """The items; what is in the name of somebody else is refused."""
         for item in self._format.items(path):
             yield item if isinstance(item, Outcome) else Item(item.source, partial(self._read, item))
+
+    def put_more(self, path: Path, store: Store) -> Iterator[Outcome]:
+        """What an archive holds beside recordings; nothing of other formats."""
+        yield from more_of(path, store, self._who) if isinstance(self._format, HoldsMore) else ()
 
     def _read(self, item: Item) -> Recording:
         try:
@@ -125,7 +131,8 @@ def _plain(outcome: Outcome, hidden: str) -> dict[str, Any]:
     reason = None if reason is None else " ".join(reason.replace(f"{hidden}/", "").split())
     digest = None if outcome.recording is None or outcome.fate is Fate.REFUSED else outcome.recording.digest
     source = outcome.source.removeprefix(f"{hidden}/").removeprefix(hidden)
-    return {"source": source, "fate": outcome.fate.value, "reason": reason, "digest": digest}
+    episode = outcome.plain() if isinstance(outcome, EpisodeOutcome) else None
+    return {"source": source, "fate": outcome.fate.value, "reason": reason, "digest": digest, "episode": episode}
 
 
 def main(folder: Path) -> None:

@@ -30,7 +30,10 @@ def read(store: Store, who: Account, preview: Preview, refused: list[tuple[str, 
     """Read what lies in a preview into a store of its own; `refused`: name and reason of what was not even saved."""
     scratch = preview.folder / "tmp"
     scratch.mkdir()
-    before = [{"source": name, "fate": Fate.REFUSED.value, "reason": why, "digest": None} for name, why in refused]
+    before = [
+        {"source": name, "fate": Fate.REFUSED.value, "reason": why, "digest": None, "episode": None}
+        for name, why in refused
+    ]
     task = {"account": who.name, "role": who.role.name, "units": dict(units_of(store)), "refused": before}
     (preview.folder / TASK).write_text(json.dumps(task), encoding="utf-8")
     environment = {name: os.environ[name] for name in PASSED_ON if name in os.environ}

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
 from uuid import UUID
 
 from markupsafe import Markup
@@ -18,9 +20,9 @@ from palpate.store.opening import open_store
 from palpate.store.parts import Head, head_of, series_of
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
-from palpate.store.visible_episodes import recordings_of_digests
+from palpate.store.visible_episodes import episode_is_visible, recordings_of_digests
 
-__all__ = ["Shown", "shown_of"]
+__all__ = ["Shown", "ShownEpisode", "shown_episodes", "shown_of"]
 
 ALL = Viewer(everything=True)
 MOST_SHOWN = 200
@@ -55,9 +57,44 @@ class Shown:
     curves: tuple[Markup, ...] = ()
 
 
+@dataclass(frozen=True)
+class ShownEpisode:
+    """An exploration of an upload; `told` is what `palpate.server.uploading.archives` leaves of it."""
+
+    source: str
+    fate: str
+    told: Mapping[str, Any]
+    is_known: bool
+
+    @property
+    def started_at(self) -> datetime:
+        """When."""
+        return datetime.fromisoformat(self.told["started_at"])
+
+    @property
+    def embargoed_until(self) -> datetime | None:
+        """Until when it is embargoed, as it states."""
+        until = self.told["embargoed_until"]
+        return None if until is None else datetime.fromisoformat(until)
+
+
+def shown_episodes(store: Store, who: Account, preview: Preview) -> list[ShownEpisode]:
+    """All explorations of a preview that can be kept."""
+    found = (one for one in preview.found() if one["episode"] is not None)
+    return [
+        ShownEpisode(
+            one["source"],
+            one["fate"],
+            one["episode"],
+            episode_is_visible(store, who.viewer, UUID(one["episode"]["id"])),
+        )
+        for one in found
+    ]
+
+
 def shown_of(store: Store, who: Account, preview: Preview) -> list[Shown]:
-    """All items of a preview, the first ones with their curves."""
-    found = preview.found()
+    """All recordings of a preview, the first ones with their curves, and what is refused or left out."""
+    found = [one for one in preview.found() if one["episode"] is None]
     digests = [one["digest"] for one in found if one["digest"] is not None]
     known = recordings_of_digests(store, who.viewer, digests)
     items, drawn = list[Shown](), 0

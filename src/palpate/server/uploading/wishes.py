@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
+from typing import TypeVar
+from uuid import NAMESPACE_URL, uuid5
 
 from palpate.errors import choices
 from palpate.server.receiving import check_owner
 from palpate.server.security.accounts import Account
 from palpate.server.sharing import embargo_end
+from palpate.store.episodes import StoredEpisode
 from palpate.store.errors import StoreError
 from palpate.store.importing.items import identified
 from palpate.store.records import VISIBILITIES, Recording
@@ -17,9 +20,12 @@ from palpate.store.records import VISIBILITIES, Recording
 __all__ = ["Wishes"]
 
 
+Shared = TypeVar("Shared", Recording, StoredEpisode)
+
+
 @dataclass(frozen=True)
 class Wishes:
-    """What is wanted for all recordings of an upload.
+    """What is wanted for all recordings and explorations of an upload.
 
     Attributes
     ----------
@@ -64,9 +70,26 @@ class Wishes:
         """The recording as it is wanted; StoreError where the account may not keep it so."""
         if self.owner is not None and recording.owner is None:
             recording = identified(replace(recording, owner=self.owner))
-        if self.visibility is not None:
-            recording = replace(recording, visibility=self.visibility)
-        if self.embargoed_until is not None or self.ends_embargoes:
-            recording = replace(recording, embargoed_until=self.embargoed_until)
+        recording = self._shared(recording)
         check_owner(recording, who)
         return recording
+
+    def of_episode(self, episode: StoredEpisode, digests: Mapping[str, str]) -> StoredEpisode:
+        """The exploration as it is wanted; its steps name the recordings by the digests that these have now."""
+        steps = tuple(
+            step if step.recording is None else replace(step, recording=digests.get(step.recording, step.recording))
+            for step in episode.steps
+        )
+        owner = self.owner if episode.owner is None else episode.owner
+        if (owner, steps) != (episode.owner, episode.steps):
+            # it is another one by that, and the same upload gives the same again
+            episode = replace(episode, owner=owner, steps=steps)
+            episode = replace(episode, id=uuid5(NAMESPACE_URL, f"palpate:{episode.digest}"))
+        return self._shared(episode)
+
+    def _shared(self, one: Shared) -> Shared:
+        if self.visibility is not None:
+            one = replace(one, visibility=self.visibility)
+        if self.embargoed_until is not None or self.ends_embargoes:
+            one = replace(one, embargoed_until=self.embargoed_until)
+        return one

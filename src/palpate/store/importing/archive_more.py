@@ -27,7 +27,7 @@ from palpate.store.things import Thing, find_thing
 if TYPE_CHECKING:
     import pyarrow
 
-__all__ = ["more_of_archive"]
+__all__ = ["episodes_in", "more_of_archive", "objects_in"]
 
 AT_ONCE = 1000
 
@@ -50,15 +50,37 @@ def more_of_archive(store: Store, folder: Path) -> Iterator[Outcome]:
         If a table is none that palpate wrote.
     """
     things: list[Thing] = []
-    for row in _rows(folder / OBJECTS, objects_schema()):
+    for row in objects_in(folder):
         yield from _described(store, folder, row, things)
     for thing in things:
         if thing.merged_into is not None:
             yield from _merged(store, folder, thing, thing.merged_into)
+    for key, episode in episodes_in(folder):
+        yield _kept(store, f"{folder}: episode {key}", episode)
+
+
+def objects_in(folder: Path) -> Iterator[Mapping[str, Any]]:
+    """The rows of the objects of an archive, for `palpate.store.archive_things.archived_thing`.
+
+    Raises
+    ------
+    StoreError
+        If the table is none that palpate wrote.
+    """
+    return _rows(folder / OBJECTS, objects_schema())
+
+
+def episodes_in(folder: Path) -> Iterator[tuple[str, StoredEpisode | str]]:
+    """The episodes of an archive: under which id, and the episode, verified, or what is wrong with it.
+
+    Raises
+    ------
+    StoreError
+        If the table is none that palpate wrote.
+    """
     stated = stated_embargoes(folder)
     for key, episode in archived_episodes(_rows(folder / EPISODES, episodes_schema())):
-        known = episode if isinstance(episode, str) else with_embargo(episode, stated)
-        yield _kept(store, f"{folder}: episode {key}", known)
+        yield key, episode if isinstance(episode, str) else with_embargo(episode, stated)
 
 
 def _rows(path: Path, columns: pyarrow.Schema) -> Iterator[Mapping[str, Any]]:
