@@ -1,5 +1,6 @@
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from fastapi.testclient import TestClient
@@ -11,6 +12,7 @@ from palpate.server.settings import Settings
 from palpate.store.blobs import FolderBlobs
 from palpate.store.opening import open_store
 from palpate.store.store import Store
+from tests.server.browsing import CHROMIUM
 from tests.store.places import check_services, emptied
 
 KEY = "the key of whoever started it"
@@ -44,3 +46,13 @@ def token(store: Store) -> Callable[..., Headers]:
         return {"Authorization": f"Bearer {issue(store, name)}"}
 
     return made
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """Chromium; of one module, as no other event loop may run meanwhile."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    with playwright.sync_playwright() as started:
+        found = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield found
+        found.close()

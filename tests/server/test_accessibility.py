@@ -1,7 +1,6 @@
 """Pages can be read, reached and operated by everybody: axe, the keyboard, less motion, and paper."""
 
 import os
-import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -23,19 +22,12 @@ from palpate.store.records import Channel, Device, FileItem, Recording, Series, 
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
 from palpate.store.visible_setups import seen_devices
+from tests.server.browsing import DESKTOP, IN_A_BROWSER, PASSWORD, PHONE, log_in
 from tests.server.serving import served
 from tests.store.made_up import squeeze
 
-CHROMIUM = os.environ.get("PALPATE_TEST_CHROMIUM") or shutil.which("chromium")
-playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 axe = pytest.importorskip("axe_playwright_python.base", reason="axe is not installed")
-pytestmark = [
-    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed, and PALPATE_TEST_CHROMIUM not set"),
-    # the event loop of playwright is closed by the process that it talks to
-    pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
-]
-PASSWORD = "correct horse battery"
-DESKTOP, PHONE = {"width": 1280, "height": 900}, {"width": 390, "height": 844}
+pytestmark = IN_A_BROWSER
 FAULTS = """axe.run({resultTypes: ["violations"]}).then(found => found.violations
   .filter(one => ["serious", "critical"].includes(one.impact))
   .map(one => `${one.id}: ${one.help}: ` + one.nodes.slice(0, 3).map(node => node.html.slice(0, 200)).join(" | ")))"""
@@ -112,27 +104,11 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Place, str
         yield found, address
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with playwright.sync_playwright() as started:
-        found = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield found
-        found.close()
-
-
 @pytest.fixture
 def page(browser: Any, place: tuple[Place, str]) -> Iterator[Any]:
     context = browser.new_context(base_url=place[1], viewport=DESKTOP)
     yield context.new_page()
     context.close()
-
-
-def log_in(page: Any) -> None:
-    page.goto("/login")
-    page.get_by_label("Name").fill("carl")
-    page.get_by_label("Password").fill(PASSWORD)
-    page.get_by_role("button", name="Log in").click()
-    page.get_by_role("button", name="Log out").wait_for()
 
 
 def faults_of(page: Any, address: str) -> Iterator[str]:
@@ -149,7 +125,7 @@ def faults_of(page: Any, address: str) -> Iterator[str]:
 def test_axe_finds_nothing_serious(page: Any, place: tuple[Place, str]) -> None:
     """On each kind of page, light and dark, on a desktop and on a phone, for everybody and for who is logged in."""
     faults = [fault for address in place[0].public for fault in faults_of(page, address)]
-    log_in(page)
+    log_in(page, "carl")
     faults += [fault for address in place[0].own for fault in faults_of(page, address)]
     assert not faults, "\n".join(faults)
 

@@ -1,7 +1,6 @@
 """The pages in a real browser: what people do, without an error on the console or a request to another host."""
 
 import os
-import shutil
 import subprocess
 import sys
 import time
@@ -26,26 +25,13 @@ from palpate.store.opening import open_store
 from palpate.store.pictures import png
 from palpate.store.records import Channel, FileItem, Series, ThingRef
 from palpate.store.store import Store
+from tests.server.browsing import DESKTOP, IN_A_BROWSER, PASSWORD, PHONE, log_in, minding
 from tests.server.packages import package
 from tests.server.serving import served
 from tests.store.made_up import squeeze
 from tests.store.places import check_services, emptied
 
-CHROMIUM = os.environ.get("PALPATE_TEST_CHROMIUM") or shutil.which("chromium")
-playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-pytestmark = [
-    pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed, and PALPATE_TEST_CHROMIUM not set"),
-    # the event loop of playwright is closed by the process that it talks to
-    pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
-]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with playwright.sync_playwright() as started:
-        found = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield found
-        found.close()
+pytestmark = IN_A_BROWSER
 
 
 @pytest.fixture(scope="module", params=["sqlite", "postgresql"])
@@ -82,23 +68,13 @@ def site(place: tuple[str, str]) -> Iterator[str]:
 @pytest.fixture(params=["desktop", "phone"])
 def page(request: pytest.FixtureRequest, browser: Any, site: str) -> Iterator[Any]:
     """A page that minds errors, requests to other hosts, and what does not fit on the screen."""
-    size = {"desktop": {"width": 1200, "height": 900}, "phone": {"width": 390, "height": 844}}[request.param]
+    size = {"desktop": DESKTOP, "phone": PHONE}[request.param]
     context = browser.new_context(base_url=site, viewport=size, color_scheme="dark")
     found, faults = minding(context, site)
     found.on("domcontentloaded", lambda _: _fits(found, faults))
     yield found
     assert not faults
     context.close()
-
-
-def minding(context: Any, site: str) -> tuple[Any, list[str]]:
-    """A page, and the errors and the requests to other hosts that it has had."""
-    found, faults = context.new_page(), list[str]()
-    found.on("console", lambda message: faults.append(message.text) if message.type in ("error", "warning") else None)
-    found.on("pageerror", lambda error: faults.append(str(error)))
-    found.on("request", lambda asked: None if asked.url.startswith(site) else faults.append(asked.url))
-    found.on("response", lambda answer: None if answer.status < 400 else faults.append(f"{answer.status} {answer.url}"))
-    return found, faults
 
 
 def _fits(page: Any, faults: list[str]) -> None:
@@ -194,23 +170,18 @@ def test_step_through_an_exploration(page: Any) -> None:
     page.wait_for_url("**/recordings/*")
 
 
-def log_in(page: Any, place: tuple[str, str]) -> None:
-    """As a curator, whose account is made where there is none."""
+def log_in_as_curator(page: Any, place: tuple[str, str]) -> None:
+    """With an account that is made where there is none."""
     with Store(open_store(place[0], place[1], durable=False).engine, FolderBlobs(Path(place[1]))) as store:
         if "carl" not in {user.name for user in users(store)}:
             add_user(store, "carl", Role.CURATOR)
-            set_password(store, "carl", "correct horse battery")
-    page.goto("/")
-    page.get_by_role("link", name="Log in").click()
-    page.get_by_label("Name").fill("carl")
-    page.get_by_label("Password").fill("correct horse battery")
-    page.get_by_role("button", name="Log in").click()
-    page.get_by_text("carl").wait_for()
+            set_password(store, "carl", PASSWORD)
+    log_in(page, "carl")
 
 
 def test_log_in_and_correct_an_object(page: Any, place: tuple[str, str]) -> None:
     """A curator logs in, renames an object, merges it with another one, splits it, and takes the name back."""
-    log_in(page, place)
+    log_in_as_curator(page, place)
     page.goto("/objects/lab/bell")
     page.get_by_role("link", name="Change what is said of it").click()
     page.get_by_label("Common name").fill("brass bell")
@@ -227,13 +198,14 @@ def test_log_in_and_correct_an_object(page: Any, place: tuple[str, str]) -> None
     page.get_by_role("button", name="Take back").click()
     page.get_by_role("heading", name="bell", exact=True).wait_for()
     page.get_by_role("button", name="Log out").click()
-    page.get_by_role("link", name="Log in").wait_for()
+    page.get_by_role("link", name="Log in").click()
+    page.wait_for_url("**/login")
 
 
 @pytest.mark.parametrize("page", ["desktop"], indirect=True)
 def test_upload_a_file_look_at_it_and_keep_it(page: Any, place: tuple[str, str]) -> None:
     """Files are chosen and dropped, looked at before they are sent, shown with their curves, and kept."""
-    log_in(page, place)
+    log_in_as_curator(page, place)
     page.get_by_role("link", name="Upload", exact=True).click()
     sent = package(squeeze(77, thing=ThingRef("lab", "wet sponge"), visibility="lab"))
     page.get_by_label("Choose files").set_input_files(
@@ -296,16 +268,12 @@ def test_watch_what_palpate_explore_sends_over_the_network(
     """Two watch an exploration of another process; one loses the network in the middle, and catches up."""
     with Store(open_store(place[0], place[1], durable=False).engine, FolderBlobs(Path(place[1]))) as store:
         add_user(store, "robot", Role.OWNER)
-        set_password(store, "robot", "correct horse battery")
+        set_password(store, "robot", PASSWORD)
         token = issue(store, "robot")
     watchers = []
     for _ in range(2):
         page, faults = minding(browser.new_context(base_url=site), site)
-        page.goto("/login")
-        page.get_by_label("Name").fill("robot")
-        page.get_by_label("Password").fill("correct horse battery")
-        page.get_by_role("button", name="Log in").click()
-        page.get_by_role("button", name="Log out").wait_for()
+        log_in(page, "robot")
         watchers.append((page, faults))
     (first, faults), (second, _) = watchers
     asked = ("explore", "ceramic_mug", "--seed", "5", "--steps", "4", "--live", "--to", f"{site}/api/v1")
