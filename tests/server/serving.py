@@ -1,13 +1,14 @@
 """The command itself, in a process of its own; and an application in a thread."""
 
 import os
+import signal
 import socket
 import subprocess
 import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from urllib.error import URLError
 from urllib.request import urlopen
@@ -28,7 +29,10 @@ def served(place: Path | str, *options: str) -> Iterator[tuple[str, subprocess.P
     """Serve a store, and give the address once it answers."""
     port = free_port()
     command = [sys.executable, "-m", "palpate", "serve", "--store", str(place), "--port", str(port), *options]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=dict(os.environ))
+    # a group of its own, as workers would outlive the process that started them
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=dict(os.environ), start_new_session=True
+    )
     address = f"http://127.0.0.1:{port}"
     try:
         for _ in range(300):
@@ -40,7 +44,8 @@ def served(place: Path | str, *options: str) -> Iterator[tuple[str, subprocess.P
                 time.sleep(0.1)
         yield address, process
     finally:
-        process.kill()
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
         process.communicate()
 
 

@@ -1,7 +1,6 @@
 """Pages can be read, reached and operated by everybody: axe, the keyboard, less motion, and paper."""
 
-import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
@@ -10,10 +9,12 @@ from uuid import uuid4
 import numpy as np
 import pytest
 
+from palpate.server.app import application
 from palpate.server.example import add_example
+from palpate.server.pages import templates
 from palpate.server.security.accounts import Role, add_user
 from palpate.server.security.logging_in import set_password
-from palpate.store.blobs import FolderBlobs
+from palpate.server.settings import Settings
 from palpate.store.keeping_episodes import get_episode, put_episode
 from palpate.store.listing_episodes import list_episodes
 from palpate.store.opening import open_store
@@ -23,17 +24,24 @@ from palpate.store.store import Store
 from palpate.store.viewing import Viewer
 from palpate.store.visible_setups import seen_devices
 from tests.server.browsing import DESKTOP, IN_A_BROWSER, PASSWORD, PHONE, log_in
-from tests.server.serving import served
+from tests.server.packages import package
+from tests.server.serving import listening
 from tests.store.made_up import squeeze
 
 axe = pytest.importorskip("axe_playwright_python.base", reason="axe is not installed")
 pytestmark = IN_A_BROWSER
-FAULTS = """axe.run({resultTypes: ["violations"]}).then(found => found.violations
+TEMPLATES = templates.STATIC.with_name("templates")
+FAULTS = """options => axe.run({resultTypes: ["violations"], ...options}).then(found => found.violations
   .filter(one => ["serious", "critical"].includes(one.impact))
   .map(one => `${one.id}: ${one.help}: ` + one.nodes.slice(0, 3).map(node => node.html.slice(0, 200)).join(" | ")))"""
-LOOKS = [("dark", DESKTOP), ("light", PHONE)]
-if "PALPATE_TEST_ALL_LOOKS" in os.environ:
-    LOOKS += [("light", DESKTOP), ("dark", PHONE)]
+COLOURS = {"runOnly": ["color-contrast"]}
+"""All that depends on light or dark."""
+LOOKS: list[tuple[str, Any, dict[str, Any]]] = [
+    ("dark", DESKTOP, {}),
+    ("light", DESKTOP, COLOURS),
+    ("light", PHONE, {}),
+    ("dark", PHONE, COLOURS),
+]
 
 
 def bell() -> Recording:
@@ -73,7 +81,7 @@ class Place:
             "/objects?text=nothing+of+that+name",
             "/objects/lab/bell",
             "/objects/ycb/011_banana",
-            "/recordings",
+            "/recordings?limit=8",
             f"/recordings/{recording.id}",
             "/compare",
             "/devices",
@@ -85,22 +93,36 @@ class Place:
             f"/episodes/{shown.id}",
             f"/episodes/{unfinished.id}",
             "/guides",
-            *(f"/guides/{name}" for name in ("record", "upload", "api", "cite")),
+            *(f"/guides/{name}" for name in ("record", "upload", "api", "cite", "watch")),
             "/login",
+            "/login/provider",
             "/nothing/of/that/name",
             "/recordings?limit=0",
         ]
-        self.own = ["/", "/objects/lab/bell/edit", f"/recordings/{recording.id}", f"/episodes/{shown.id}", "/upload"]
-        self.recording = f"/recordings/{recording.id}"
+        self.own = ["/objects/lab/bell/edit", f"/recordings/{recording.id}", f"/episodes/{shown.id}", "/upload"]
+        self.recording, self.episode = f"/recordings/{recording.id}", f"/episodes/{shown.id}"
+        self.made = set[str]()
+        """Templates that were made into pages."""
+
+    def noting(self, get_template: Callable[..., Any]) -> Callable[..., Any]:
+        """The same, noting what was asked for."""
+
+        def noted(name: str, *rest: Any) -> Any:
+            self.made.add(name)
+            return get_template(name, *rest)
+
+        return noted
 
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Place, str]]:
+    """In this process, as one is to see what it makes pages of; its provider of log-ins does not answer."""
     folder = tmp_path_factory.mktemp("site")
-    where = (str(folder / "store.sqlite"), str(folder / "blobs"))
-    with Store(open_store(*where, durable=False).engine, FolderBlobs(folder / "blobs")) as store:
-        found = Place(store)
-    with served(where[0], "--blobs", where[1]) as (address, _):
+    settings = Settings(requests_per_s=None, oidc_issuer="http://127.0.0.1:1", oidc_client_id="palpate")
+    store = open_store(folder / "store.sqlite", folder / "blobs", durable=False)
+    found, environment = Place(store), templates._environment()
+    with pytest.MonkeyPatch.context() as patched, listening(application(store, settings)) as address:
+        patched.setattr(environment, "get_template", found.noting(environment.get_template))
         yield found, address
 
 
@@ -111,23 +133,78 @@ def page(browser: Any, place: tuple[Place, str]) -> Iterator[Any]:
     context.close()
 
 
-def faults_of(page: Any, address: str) -> Iterator[str]:
-    """What axe finds serious or critical, in each look."""
-    page.goto(address)
+def faults_of(page: Any) -> Iterator[str]:
+    """What axe finds serious or critical in the page that is open, in each look."""
     page.evaluate(axe.AXE_SCRIPT)
-    for scheme, size in LOOKS:
+    for scheme, size, options in LOOKS:
         page.emulate_media(color_scheme=scheme)
         page.set_viewport_size(size)
-        for fault in page.evaluate(FAULTS):
-            yield f"{address} {scheme} {size['width']}: {fault}"
+        for fault in page.evaluate(FAULTS, options):
+            yield f"{page.url} {scheme} {size['width']}: {fault}"
+
+
+def of_everybody(page: Any, place: Place) -> Iterator[str]:
+    """Open each page that anybody sees, one after the other."""
+    for address in place.public:
+        page.goto(address)
+        yield address
+    page.goto("/login")
+    page.get_by_label("Name").fill("carl")
+    page.get_by_label("Password").fill("wrong")
+    page.get_by_role("button", name="Log in").click()
+    page.get_by_role("alert").wait_for()
+    yield "who is refused"
+
+
+def of_who_is_logged_in(page: Any, place: Place) -> Iterator[str]:
+    """Open each page that an account has of its own, and those of an upload until it is kept."""
+    for address in place.own:
+        page.goto(address)
+        yield address
+    for name, value in TYPED.items():
+        page.locator(f"input[name={name}]").fill(value)
+    page.get_by_role("button", name="Keep it").click()
+    page.get_by_role("alert").wait_for()
+    yield "a typed measurement that is refused"
+    sent = package(replace(bell(), id=uuid4(), thing=ThingRef("lab", "wet bell"), owner=None))
+    page.get_by_label("Choose files").set_input_files(
+        [
+            {"name": "bell.zip", "mimeType": "application/zip", "buffer": sent},
+            {"name": "hello.txt", "mimeType": "text/plain", "buffer": b"hello"},
+            {"name": "broken.zip", "mimeType": "application/zip", "buffer": b"PK"},
+        ]
+    )
+    page.get_by_text("hello.txt, 1 KiB").wait_for()
+    yield "files that were chosen"
+    page.get_by_role("button", name="Show what is in them").click()
+    page.get_by_role("heading", name="What was understood").wait_for(timeout=60_000)
+    assert page.locator("svg.plot").count() > 0
+    yield "what was understood"
+    page.get_by_role("button", name="Keep").click()
+    page.get_by_role("heading", name="1 recording is in the store").wait_for()
+    yield "what was kept"
+
+
+TYPED = {
+    "dataset": "lab",
+    "object": "bell",
+    "action": "weighing",
+    "property": "mass",
+    "value": "-1",
+    "unit": "g",
+    "recorded_at": "2024-01-02T03:04",
+}
 
 
 def test_axe_finds_nothing_serious(page: Any, place: tuple[Place, str]) -> None:
     """On each kind of page, light and dark, on a desktop and on a phone, for everybody and for who is logged in."""
-    faults = [fault for address in place[0].public for fault in faults_of(page, address)]
+    faults = [fault for _ in of_everybody(page, place[0]) for fault in faults_of(page)]
     log_in(page, "carl")
-    faults += [fault for address in place[0].own for fault in faults_of(page, address)]
+    faults += [fault for _ in of_who_is_logged_in(page, place[0]) for fault in faults_of(page)]
     assert not faults, "\n".join(faults)
+    every = templates._environment().list_templates()
+    pages = {name for name in every if "{% extends" in (TEMPLATES / name).read_text()}
+    assert pages - place[0].made == set(), "pages that nobody has looked at"
 
 
 def stops(page: Any) -> Iterator[tuple[str, bool]]:

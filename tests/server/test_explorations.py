@@ -107,6 +107,23 @@ def test_lines_do_not_change_and_have_no_gaps(
     assert get_episode(store, episode.id).digest == episode.digest
 
 
+def test_a_line_that_would_make_a_copy_is_refused(
+    client: TestClient, store: Store, token: Token, episode: StoredEpisode
+) -> None:
+    """Where the same exploration is here under another id, nothing is kept, and the answer does not say it was."""
+    headers, copy = token("ann"), replace(episode, id=uuid4())
+    for one in (episode, copy):
+        begun = client.put(f"{API}/{one.id}", json=start_of(one), headers=headers)
+        assert begun.status_code == 201
+        for position in (1, 2):
+            sent = client.put(f"{API}/{one.id}/lines/{position}", json=line_of(one, position), headers=headers)
+            assert sent.status_code == 201
+        last = client.put(f"{API}/{one.id}/lines/3", json=line_of(one, 3), headers=headers)
+        assert last.status_code == (201 if one is episode else 409), last.text
+    assert "under another id" in last.json()["detail"]
+    assert len(get_episode(store, copy.id).steps) == 2
+
+
 def test_only_who_has_begun_goes_on(client: TestClient, token: Token, episode: StoredEpisode) -> None:
     """Others are refused where they see it; what names no owner is that of who has sent it."""
     ann, bob, boss = token("ann"), token("bob"), token("boss", Role.ADMIN)

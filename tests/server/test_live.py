@@ -11,14 +11,25 @@ from urllib.request import Request, urlopen
 import pytest
 from fastapi.testclient import TestClient
 
-from palpate import ExactBelief, FunctionRobot, Reading, explore, load_network
+from palpate import (
+    Above,
+    ExactBelief,
+    Failed,
+    FunctionRobot,
+    Label,
+    NothingLeft,
+    Reading,
+    StepBudget,
+    explore,
+    load_network,
+)
 from palpate.episode.format import About, header_record
 from palpate.episode.keeping import stored_record
 from palpate.server.pages import live
 from palpate.store.episodes import StoredEpisode
 from palpate.store.keeping_episodes import put_episode
 from palpate.store.opening import open_store
-from palpate.store.records import ThingRef
+from palpate.store.records import FileItem, ThingRef
 from palpate.store.store import Store
 from tests.server.serving import served
 from tests.store.made_up import made_episode, squeeze
@@ -146,3 +157,50 @@ def test_another_process_explores_and_a_stream_tells(running: tuple[str, Store])
             pass
         assert found == b"id: 1\n"
         assert time.monotonic() - began < 5
+
+
+def test_what_actions_returned_reads_well(client: TestClient, store: Store) -> None:
+    """A value stands with its spread and unit, a bound with its side, and a failure with its reason."""
+    belief = ExactBelief(load_network("household-filled"))
+    robot = FunctionRobot(
+        {
+            "weighing": lambda: Reading(310.0, 2.5),
+            "squeezing": lambda: Above(95.0),
+            "mat-sound": lambda: Failed("the microphone was off"),
+            "cat-vision": lambda: Label("mug"),
+        }
+    )
+    episode = StoredEpisode(
+        datetime.now(UTC), ThingRef("lab", "mug"), header_record(belief, About()), visibility="public"
+    )
+    for step in explore(belief, robot, stopping=NothingLeft()):
+        episode = episode.continued(stored_record(step))
+    put_episode(store, episode)
+    page = client.get(f"/episodes/{episode.id}").text
+    for action, words in (
+        ("Weighing", "310 ± 2.5 g"),
+        ("Squeezing", "above 95 kPa"),
+        ("Mat-sound", "nothing: the microphone was off"),
+        ("Cat-vision", "label mug"),
+    ):
+        assert f"{action}</a> returned {words}" in page
+
+
+def test_pictures_come_with_their_step(client: TestClient, store: Store) -> None:
+    """What a camera took is on the page of its step and of no other; a page, which is no picture, is not shown."""
+    files = (FileItem("scene.png", "image/png", b"\x89PNG"), FileItem("note.html", "text/html", b"<p>"))
+    seen = squeeze(1, visibility="public", files=files)
+    store.put(seen)
+    belief = ExactBelief(load_network("pantry"))
+    robot = FunctionRobot({"weigh": lambda: Reading(310.0)})
+    episode = StoredEpisode(
+        datetime.now(UTC), ThingRef("lab", "jar"), header_record(belief, About()), visibility="public"
+    )
+    steps = list(explore(belief, robot, repeat=True, stopping=StepBudget(2)))
+    for step, digest in zip(steps, (seen.digest, None, None), strict=True):
+        episode = episode.continued(stored_record(step), digest)
+    put_episode(store, episode)
+    picture = f'<img class="seen" src="/api/v1/recordings/{seen.id}/files/0" alt="Weigh: scene.png">'
+    assert client.get(f"/episodes/{episode.id}?step=1").text.count('<img class="seen"') == 1
+    assert picture in client.get(f"/episodes/{episode.id}?step=1").text
+    assert '<img class="seen"' not in client.get(f"/episodes/{episode.id}?step=2").text

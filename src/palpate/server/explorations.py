@@ -20,6 +20,7 @@ from palpate.store.checks import check_moment
 from palpate.store.episodes import StoredEpisode, StoredStep, check_episode
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.keeping_episodes import get_episode, put_episode
+from palpate.store.records import Receipt
 from palpate.store.visible_episodes import episode_is_of, episode_is_there, episode_is_visible, recordings_of_digests
 
 __all__ = ["MOST_LINES", "add", "begin", "check_whole", "keep_whole", "last_at", "read_episode"]
@@ -87,9 +88,14 @@ def begin(state: State, who: Account, episode: StoredEpisode) -> tuple[int, bool
         raise
     except (StoreError, LogError) as error:
         raise problem_of_store(error) from None
+    _check_id(episode, receipt)
+    return 0, receipt.new
+
+
+def _check_id(episode: StoredEpisode, receipt: Receipt) -> None:
+    """Refuse what the store knows under another id, as nothing was kept under this one."""
     if receipt.id != episode.id:
         raise problem(409, "this exploration is kept under another id already")
-    return 0, receipt.new
 
 
 def _known(state: State, who: Account, episode: StoredEpisode) -> int:
@@ -127,7 +133,7 @@ def _grown(state: State, who: Account, there: StoredEpisode, step: StoredStep) -
         _check(grown)
         if step.recording is not None and not recordings_of_digests(state.store, who.viewer, [step.recording]):
             raise StoreError(f"recording: {step.recording} is not in the store, expected it to be sent first")
-        put_episode(state.store, grown, uploader=who.name)
+        receipt = put_episode(state.store, grown, uploader=who.name)
     except (UnavailableError, DamagedError):
         raise
     except (StoreError, LogError) as error:
@@ -136,6 +142,7 @@ def _grown(state: State, who: Account, there: StoredEpisode, step: StoredStep) -
             # somebody else has just sent one
             raise problem(409, f"line {len(grown.steps)} came twice at once, and {now} are here") from None
         raise problem_of_store(error) from None
+    _check_id(grown, receipt)
     return grown
 
 

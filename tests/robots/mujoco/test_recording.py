@@ -174,3 +174,32 @@ def test_recordings_without_signals_are_named(store: Store, tmp_path: Path) -> N
         signals_in(replace(whole, grasp={"contact_area_mm2": 825.0}))
     with pytest.raises(RecordingError, match="no estimator for action 'squeezing': choose from 'weighing'"):
         estimated_again(whole, {"weighing": lambda signals: Reading(1.0)})
+
+
+def test_people_see_the_scene_where_the_camera_does_not_look(drawing: None, store: Store, tmp_path: Path) -> None:
+    """A weighing shows the lifted object; signals are the same with and without the picture."""
+    bench = Bench(store, tmp_path / "spool", "ceramic_mug", QUIET)
+    with bench.robot:
+        bench.recorded.perform("weighing")
+    found = store.get(bench.recorded.end_step() or "")
+    (picture,) = [item for item in found.files if item.media_type == "image/png"]
+    assert picture.name == "scene.png"
+    assert isinstance(picture.data, bytes)
+    assert picture.data.startswith(b"\x89PNG")
+    assert same(signals_in(found), bench.signals["weighing"])
+
+
+def test_signals_are_kept_where_nothing_can_draw(store: Store, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine without graphics weighs as ever; the recording says why it has no picture."""
+
+    def blind(*_: object) -> None:
+        raise RuntimeError("no display")
+
+    monkeypatch.setattr("mujoco.Renderer", blind)
+    bench = Bench(store, tmp_path / "spool", "ceramic_mug", QUIET)
+    with bench.robot:
+        bench.recorded.perform("weighing")
+    found = store.get(bench.recorded.end_step() or "")
+    assert found.series
+    assert not [item for item in found.files if item.media_type == "image/png"]
+    assert [one for one in found.notices if one.startswith("without a picture of the scene: the bench's camera")]

@@ -8,21 +8,23 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from palpate.recording.recorder import current_recording
+from palpate.recording.recorder import Recorder, current_recording
 from palpate.robots.keeping_signals import keep_signals
 from palpate.robots.mujoco.arm import LINKS
 from palpate.robots.mujoco.bench import Bench
-from palpate.robots.mujoco.furniture import CAMERA, IMAGE_SIZE
+from palpate.robots.mujoco.errors import BenchError
+from palpate.robots.mujoco.furniture import CAMERA, IMAGE_SIZE, OVERVIEW
 from palpate.robots.mujoco.gripper import FORCE_RANGE_N, NEWTON_PER_AMPERE, PAD_MM, POSITION_STEP_MM, STROKE_MM
 from palpate.robots.mujoco.knocking import RATE_HZ
 from palpate.robots.mujoco.scene import STEP_S
-from palpate.robots.signals import Signals
+from palpate.robots.signals import ImageSignals, Signals
 from palpate.store.records import Device, Pose, Setup
 
 __all__ = ["bench_setup", "engine", "keep_in_recording"]
 
 MAKER = "palpate"
 FRAME = "base"
+SCENE = "scene.png"
 
 
 def engine() -> str:
@@ -34,11 +36,21 @@ def keep_in_recording(bench: Bench, signals: Signals) -> None:
     """Add the signals of an action that has just ended to its recording, and where gripper and object are."""
     recorder = current_recording()
     keep_signals(recorder, signals)
+    if not isinstance(signals, ImageSignals):
+        _keep_scene(recorder, bench)
     site, thing = bench.scene.data.site("grasp"), bench.scene.data.joint("object").qpos
     quaternion = np.zeros(4)
     mujoco.mju_mat2Quat(quaternion, site.xmat)
     recorder.gripper_pose(_pose(site.xpos, quaternion))
     recorder.object_pose(_pose(thing[:3], thing[3:7]))
+
+
+def _keep_scene(recorder: Recorder, bench: Bench) -> None:
+    """Add a picture of the scene, for people; where nothing can draw, the signals are kept all the same."""
+    try:
+        recorder.file(SCENE, bench.camera.image(OVERVIEW))
+    except BenchError as error:
+        recorder.notice(f"without a picture of the scene: {error}")
 
 
 def bench_setup(bench: Bench) -> Setup:

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from palpate.episode.format import Episode, LoggedStep
 from palpate.errors import LogError
 from palpate.evidence import format_item
+from palpate.outcomes import Above, Below, Failed, Reading
 from palpate.server.api.downloads import SHOWN
 from palpate.server.api.episodes import SeenEpisode
 from palpate.server.api.parameters import StoreOf
@@ -99,6 +100,16 @@ def _read(stored: StoredEpisode) -> Episode:
 
 def _told(step: LoggedStep) -> str:
     """What an action returned, as people read it."""
+    match step.admitted:
+        case Reading(value, sd, unit):
+            spread = "" if sd is None else f" ± {number(sd)}"
+            return f"{number(value)}{spread} {unit or ''}".rstrip()
+        case Above(bound, unit=unit):
+            return f"above {number(bound)} {unit or ''}".rstrip()
+        case Below(bound, unit=unit):
+            return f"below {number(bound)} {unit or ''}".rstrip()
+        case Failed(reason):
+            return f"nothing: {reason}" if reason else "nothing"
     found = {name: value for name, value in format_item(step.action, step.admitted).items() if name != "action"}
     return ", ".join(f"{name} {_words(value)}" for name, value in found.items())
 

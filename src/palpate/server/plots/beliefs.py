@@ -74,9 +74,12 @@ def _densities(name: str, before: ContinuousSummary, after: ContinuousSummary) -
     most = max([*before.density, *after.density, 1e-300])
     up = Scale(0.0, most * 1.05, TOP + HEIGHT, TOP)
     drawing.across_axis(across, TOP, TOP + HEIGHT, f"{name} [{after.unit}]")
-    for summary, kind in ((before, "before"), (after, "after-line")):
+    for summary, kind in ((after, "after-line"), (before, "before")):
         inside = [(x, y) for x, y in zip(summary.x, summary.density, strict=True) if across.low <= x <= across.high]
-        drawing.curve(((across.at(x), up.at(y)) for x, y in inside), kind)
+        line = [(across.at(x), up.at(y)) for x, y in inside]
+        if summary is after and line:
+            drawing.area([(line[0][0], up.at(0.0)), *line, (line[-1][0], up.at(0.0))], "after-area")
+        drawing.curve(line, kind)
     return drawing.markup()
 
 

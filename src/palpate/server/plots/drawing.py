@@ -68,6 +68,11 @@ class Drawing:
         path = " ".join(f"{x:g},{y:g}" for x, y in points)
         self._parts.append(f'<polyline points="{path}" class="{escape(kind)}"/>')
 
+    def area(self, points: Iterable[tuple[float, float]], kind: str) -> None:
+        """A surface within a line that comes back to where it began."""
+        path = " ".join(f"{x:g},{y:g}" for x, y in points)
+        self._parts.append(f'<polygon points="{path}" class="{escape(kind)}"/>')
+
     def text(self, x: float, y: float, words: str, kind: str = "", anchor: str = "start") -> None:
         """Words."""
         head = f'<text x="{x}" y="{y}" class="{escape(kind)}" text-anchor="{escape(anchor)}">'
