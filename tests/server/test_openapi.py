@@ -105,6 +105,13 @@ def tried(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tried]:
     asgi.shutdown_lifespans()
 
 
+@pytest.fixture
+def untouched(tmp_path: Path) -> Iterator[Tried]:
+    """One that others have not changed: what there is to follow would depend on them."""
+    yield Tried(tmp_path)
+    asgi.shutdown_lifespans()
+
+
 @pytest.fixture(scope="module")
 def cases(tried: Tried) -> list[Any]:
     """The same for everybody, as making them up takes as long as asking."""
@@ -121,6 +128,39 @@ def test_all_answers_are_as_the_document_says(tried: Tried, cases: list[Any], pe
             if fault is not None:
                 faults.setdefault(f"{case.operation.label}: {fault[0]}", fault[1])
     assert not faults, "\n\n".join(f"{name}\n{text}" for name, text in faults.items())
+
+
+@pytest.mark.parametrize("person", ["anonymous", "ann"])
+def test_answers_lead_on(untouched: Tried, person: str) -> None:
+    """Who follows links from answer to answer, and changes things on the way, gets answers as the document says."""
+    followed: set[tuple[str, int]] = set()
+    # whoever takes back the token by which it asks is asked for another one from then on
+    schema = untouched.schema.exclude(path_regex="/tokens").exclude(path=["/metrics", "/health"])
+
+    class Following(schema.as_state_machine()):  # type: ignore[misc]
+        def get_call_kwargs(self, case: Any) -> dict[str, Any]:
+            return {"headers": untouched.headers[person]}
+
+        def before_call(self, case: Any) -> None:
+            # what is made up finds nothing to follow; it is tried above
+            if case.method == "GET" and not case.path_parameters:
+                case.query = {}
+
+        def validate_response(self, response: Any, case: Any, **_: Any) -> None:
+            followed.add((case.operation.label, response.status_code))
+            wanted = [check for check in STATEFUL if case.operation.label not in EXCEPT.get(check, ())]
+            case.validate_response(response, checks=wanted, headers=untouched.headers[person])
+            if person == "anonymous" and SECRET.encode() in response.content:
+                assert SECRET in _asked(response), f"leak: {response.request.url}: {response.content[:500]!r}"
+
+    Following.run(settings=settings(QUIET, max_examples=5 * EXAMPLES, stateful_step_count=10))
+    reached = {label for label, status in followed if status == 200}
+    assert any(label.startswith("GET /api/v1/recordings/{key}") for label in reached), sorted(followed)
+    assert any("{id}" in label or "{dataset}" in label for label in reached), sorted(followed)
+
+
+STATEFUL = [one for one in CHECKS if one not in (checks.ignored_auth, checks.negative_data_rejection)]
+STATEFUL += [checks.use_after_free, checks.ensure_resource_availability]
 
 
 def _cases(tried: Tried, operation: Any) -> list[Any]:

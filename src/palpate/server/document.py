@@ -7,6 +7,7 @@ from typing import Any
 
 from fastapi import FastAPI
 
+from palpate.server.links import add_links
 from palpate.server.problems import MEDIA_TYPE
 
 __all__ = ["Described"]
@@ -17,7 +18,7 @@ OF_BODIES = (408, 413)
 
 
 class Described(FastAPI):
-    """An application whose document tells the form of its errors, which the framework takes to be plain JSON."""
+    """An application whose document tells the form of its errors, not plain JSON, and where answers lead."""
 
     def openapi(self) -> dict[str, Any]:
         """The document."""
@@ -25,6 +26,7 @@ class Described(FastAPI):
         for operations in found["paths"].values():
             for operation in operations.values():
                 _describe(operation)
+        add_links(found)
         return found
 
 
