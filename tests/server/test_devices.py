@@ -73,8 +73,7 @@ def test_errors_of_a_device_are_those_of_the_benchmark(client: TestClient, store
         thing = ThingRef("lab", f"ball {place}")
         entry = Value("elasticity", value, 1.0, "kPa")
         store.put(squeeze(place, visibility="public", setup=Setup(gripper=OLD), thing=thing, entries=(entry,)))
-        truth = Value("elasticity", 40.0, None, "kPa")
-        change_thing(store, thing, lambda known, truth=truth: known.knowing(truth, "a test"))
+        change_thing(store, thing, lambda known: known.knowing(Value("elasticity", 40.0, None, "kPa"), "a test"))
     (error,) = agreements(store, Viewer(), "elasticity").devices
     assert error.bias is not None
     assert abs(error.bias - 19 / 3) < 1e-9

@@ -1,15 +1,18 @@
 """Watching an exploration: each step comes as soon as the store has it, and nothing to those who may not see it."""
 
 import json
+import re
 import threading
 import time
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
+from pathlib import Path
 from typing import Any
-from urllib.request import Request, urlopen
+from urllib.request import HTTPCookieProcessor, Request, build_opener, urlopen
 
 import pytest
 from fastapi.testclient import TestClient
+from typer.testing import CliRunner
 
 from palpate import (
     Above,
@@ -23,6 +26,7 @@ from palpate import (
     explore,
     load_network,
 )
+from palpate.cli.app import app
 from palpate.episode.format import About, header_record
 from palpate.episode.keeping import stored_record
 from palpate.server.pages import live
@@ -134,6 +138,21 @@ def test_others_see_nothing_of_it(client: TestClient, store: Store, token: Calla
     assert client.get(address).status_code == 404
     assert client.get(address, headers=token("bob")).status_code == 404
     assert client.get(address, headers=token("ann")).status_code == 200
+
+
+def test_a_server_that_runs_shows_what_is_recorded_beside_it(tmp_path: Path) -> None:
+    """An exploration that keeps its episode in the same store needs no server of its own: its owner sees it."""
+    place = tmp_path / "store.sqlite"
+    with served(place) as (address, process):
+        assert process.stdout is not None
+        entrance = next(line.split()[-1] for line in process.stdout if "/enter?key=" in line)
+        asked = ["explore", "ceramic_mug", "--seed", "5", "--steps", "1", "--record", "--store", str(place)]
+        told = CliRunner().invoke(app, asked, env={"PALPATE_SPOOL": str(tmp_path / "spool")}).output
+        (episode,) = re.findall(r"kept as episode ([0-9a-f-]{36})", told)
+        owner = build_opener(HTTPCookieProcessor())
+        owner.open(entrance).close()
+        with owner.open(f"{address}/episodes/{episode}") as page:
+            assert b"Step 1: which action?" in page.read()
 
 
 @pytest.fixture
