@@ -20,6 +20,7 @@ from palpate.store.outages import tell_outages
 from palpate.store.read_only import read_only_uri
 
 __all__ = [
+    "ACCOUNT_LOCK",
     "LATEST",
     "MERGE_LOCK",
     "changing",
@@ -42,7 +43,7 @@ CONNECTIONS = 12
 """Kept open, and as many more for a while: for each thread of a server one, and another one within."""
 # 64 MiB of log before it is worked into the file
 CHECKPOINT_PAGES = 4096
-MIGRATION_LOCK, MERGE_LOCK = 0x70616C70, 0x70616C71
+MIGRATION_LOCK, MERGE_LOCK, ACCOUNT_LOCK = 0x70616C70, 0x70616C71, 0x70616C72
 """Any numbers that other programs on one PostgreSQL are unlikely to lock."""
 
 

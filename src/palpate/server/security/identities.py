@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 from urllib.parse import urlsplit
 
-from sqlalchemy import Connection, func, insert, select, update
+from sqlalchemy import Connection, collate, func, insert, select, update
 
 from palpate.server.security.accounts import Role
 from palpate.server.security.single_sign_on import Identity
 from palpate.store import schema
-from palpate.store.database import changing
+from palpate.store.database import ACCOUNT_LOCK, changing, one_at_a_time
 from palpate.store.errors import StoreError
 from palpate.store.registry import now_us
 from palpate.store.store import Store
@@ -37,6 +37,7 @@ def link(
     values = {"email": email, "oidc_issuer": issuer, "oidc_subject": subject}
     given = {column: value for column, value in values.items() if value is not None}
     with changing(store.engine) as connection:
+        one_at_a_time(connection, ACCOUNT_LOCK)
         _check(connection, name, email, issuer, subject)
         done = connection.execute(update(schema.users).where(USERS.name == name).values(**given)) if given else None
         if done is not None and not done.rowcount:
@@ -77,6 +78,8 @@ def account_name(store: Store, who: Identity, *, new_readers: bool) -> str:
         If they have none.
     """
     with changing(store.engine) as connection:
+        # a browser that loads the page again comes twice, and the second must find what became of the first
+        one_at_a_time(connection, ACCOUNT_LOCK)
         found = _of_subject(connection, who.issuer, who.subject)
         if found:
             return str(found[0].name)
@@ -131,5 +134,15 @@ def _of_subject(connection: Connection, issuer: str | None, subject: str) -> lis
 
 
 def _of_email(connection: Connection, email: str) -> list[Any]:
-    asked = select(USERS.id, USERS.name, USERS.oidc_subject).where(func.lower(USERS.email) == email.lower())
+    """Accounts of an address; only ASCII's own capitals are the same letters.
+
+    Further folding makes a k of the sign of Kelvin, and the address of somebody else of one that is not theirs.
+    """
+    # SQLite knows no other letters
+    column = collate(USERS.email, "C") if connection.dialect.name == "postgresql" else USERS.email
+    asked = select(USERS.id, USERS.name, USERS.oidc_subject).where(func.lower(column) == _folded(email))
     return list(connection.execute(asked))
+
+
+def _folded(text: str) -> str:
+    return "".join(letter.lower() if letter.isascii() else letter for letter in text)
