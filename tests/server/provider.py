@@ -34,6 +34,10 @@ class FakeProvider:
     about: dict[str, Any] = field(default_factory=dict)
     codes: dict[str, dict[str, str]] = field(default_factory=dict)
     asked: list[str] = field(default_factory=list)
+    slow: threading.Event = field(default_factory=threading.Event)
+
+    def __post_init__(self) -> None:
+        self.slow.set()
 
     def metadata(self) -> dict[str, Any]:
         addresses = {name: f"{self.issuer}/{name}" for name in ("authorization_endpoint", "token_endpoint", "jwks_uri")}
@@ -77,6 +81,8 @@ class FakeProvider:
     def answer(self, path: str) -> Any:
         """What is read without a log-in."""
         self.asked.append(path)
+        # cleared, it answers once it is set again
+        self.slow.wait()
         if path == "/.well-known/openid-configuration":
             return self.metadata()
         return KeySet([self.key]).as_dict(private=False) if path == "/jwks_uri" else None

@@ -39,6 +39,8 @@ def test_a_public_name_is_answered_and_others_are_not(tmp_path: Path) -> None:
             assert answered.headers["Strict-Transport-Security"] is not None
         with pytest.raises(HTTPError, match="421"):
             urlopen(Request(address, headers={"Host": "elsewhere.example"}))
+        with pytest.raises(HTTPError, match="401"):
+            urlopen(f"{address}/metrics")
         process.send_signal(signal.SIGTERM)
         told, _ = process.communicate(timeout=30)
     assert "https://touch.example.org:8443/" in told

@@ -1,8 +1,11 @@
 """The old program's addresses, asked as its published uploader asks them; the requests are written by hand."""
 
 import json
+import time
 from base64 import b64encode
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
@@ -319,3 +322,40 @@ def test_wrong_passwords_are_counted_and_right_ones_are_not(here: TestClient, st
     found = [here.post("/rest/measurements/", content=body, headers=wrong).status_code for _ in range(11)]
     assert found == [401] * 10 + [429]
     assert here.post("/rest/measurements/", content=body, headers=right).status_code == 429
+
+
+def test_guesses_at_once_are_no_more_than_one_by_one(
+    here: TestClient, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each is counted before its password is looked at, which takes long."""
+    set_password(store, "jeff", PASSWORD)
+    body, kind = form("measurement", {"measurement": measurement()}, {})
+    looked = list[str]()
+
+    def slowly(password: str, kept: str | None) -> bool:
+        looked.append(password)
+        time.sleep(0.3)
+        return False
+
+    monkeypatch.setattr("palpate.server.security.basic.is_password", slowly)
+
+    def guess(number: int) -> int:
+        headers = {**kind, **basic("jeff", f"guess {number}")}
+        return int(here.post("/rest/measurements/", content=body, headers=headers).status_code)
+
+    with ThreadPoolExecutor(12) as pool:
+        assert sorted(pool.map(guess, range(12))) == [401] * 10 + [429] * 2
+    assert len(looked) == 10
+
+
+def test_behind_a_proxy_nothing_comes_from_this_computer(store: Store) -> None:
+    """Without the header that names the client each request seems to: passwords and metrics are not given away."""
+    headers = _of_jeff(store)
+    application_ = application(store, replace(SMALL, proxied=True))
+    with TestClient(application_, client=("127.0.0.1", 50_000), raise_server_exceptions=False) as proxied:
+        assert send(proxied, {"measurement": measurement()}, headers=headers).status_code == 403
+        assert proxied.get("/metrics").status_code == 401
+        bearer = {"Authorization": f"Bearer {issue(store, 'jeff')}"}
+        assert proxied.get("/metrics", headers=bearer).status_code == 200
+    with TestClient(application_, base_url="https://testserver", client=("127.0.0.1", 50_000)) as tls:
+        assert send(tls, {"measurement": measurement()}, headers=headers).status_code == 201

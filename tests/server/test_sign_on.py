@@ -4,17 +4,21 @@ import re
 import time
 from base64 import urlsafe_b64encode
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import replace
 from html import escape, unescape
+from itertools import islice
 from typing import Any
 from urllib.parse import urlencode
 
+import httpx2
 import pytest
 from fastapi.testclient import TestClient
 
 from palpate.errors import PalpateError
 from palpate.server.app import application
 from palpate.server.security.accounts import Role, add_user, users
+from palpate.server.security.asking import AT_ONCE
 from palpate.server.security.identities import link
 from palpate.server.security.single_sign_on import check_issuer
 from palpate.server.settings import OIDC_SECRET, Settings
@@ -210,7 +214,7 @@ def test_nobody_gets_in_by_a_wrong_answer(
     for name, value in changes.items():
         setattr(provider, name, value)
     sent = client.get(START)
-    if sent.status_code == 502:
+    if sent.status_code == 503:
         assert "about" in changes
         return
     refused = client.get(provider.log_in(sent.headers["location"]))
@@ -304,15 +308,47 @@ def test_unknown_people_are_readers_where_the_operator_says_so(
 
 
 @HERE
-def test_a_provider_that_does_not_answer(store: Store, settings: Settings) -> None:
-    """Is a page that says so, and passwords go on."""
+def test_a_provider_that_does_not_answer(store: Store, settings: Settings, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Is a page that says so and when to try again, and passwords go on; for some seconds it is not asked again."""
     with provided() as gone:
         silent = replace(settings, oidc_issuer=gone.issuer)
     client = TestClient(application(store, silent), follow_redirects=False)
-    found = client.get(START)
-    assert found.status_code == 502
-    assert "does not answer" in found.text
+    asked, get = list[str](), httpx2.get
+
+    def counted(address: str, **options: Any) -> Any:
+        asked.append(address)
+        return get(address, **options)
+
+    monkeypatch.setattr(httpx2, "get", counted)
+    for _ in range(3):
+        found = client.get(START)
+        assert found.status_code == 503
+        assert 1 <= int(found.headers["Retry-After"]) <= 11
+        assert "does not answer" in found.text
+    assert asked == [f"{gone.issuer}/.well-known/openid-configuration"]
     assert client.get("/login").status_code == 200
+
+
+@HERE
+def test_a_slow_provider_holds_up_few(client: TestClient, provider: FakeProvider) -> None:
+    """The others are told at once, so that most threads of the server stay with those who want something else."""
+    provider.slow.clear()
+    with ThreadPoolExecutor(10) as pool:
+        waiting = [pool.submit(client.get, START) for _ in range(9)]
+        told = [one.result() for one in islice(as_completed(waiting, timeout=20.0), 9 - AT_ONCE)]
+        assert {one.status_code for one in told} == {503}
+        assert {one.headers["Retry-After"] for one in told} == {"3"}
+        assert client.get("/login").status_code == 200
+        provider.slow.set()
+        assert sorted(one.result().status_code for one in waiting) == [303] * AT_ONCE + [503] * (9 - AT_ONCE)
+    assert len(provider.asked) == AT_ONCE
+    assert sign_on(client, provider).status_code == 200
+
+
+@HERE
+def test_leaving_for_a_provider_is_counted(client: TestClient, provider: FakeProvider) -> None:
+    """As tries to log in are, for each address."""
+    assert [client.get(START).status_code for _ in range(11)] == [303] * 10 + [429]
 
 
 @HERE

@@ -53,6 +53,7 @@ def serve(
         key=local_key() if alone else None,
         requests_per_s=rate or (None if alone else 50.0),
         secure=reached.is_secure,
+        proxied=where.public is not None,
         signed_urls=signed_urls,
         log_requests=log,
         **elsewhere,

@@ -39,6 +39,8 @@ class Settings:
         From one address in the long run; without a limit where it is None.
     secure
         Whether people reach it over TLS, so that their browsers are told to insist on it.
+    proxied
+        Whether a proxy passes requests on, so that none counts as one from this computer.
     signed_urls
         Whether who may see a file is sent to the bucket that has it, where the blobs are in one.
     log_requests
@@ -60,6 +62,7 @@ class Settings:
     largest_body_bytes: int = 1 << 20
     requests_per_s: float | None = 50.0
     secure: bool = False
+    proxied: bool = False
     signed_urls: bool = False
     log_requests: bool = False
     oidc_issuer: str | None = None

@@ -20,6 +20,7 @@ from palpate.server.security.accounts import Role
 from palpate.server.security.addresses import is_here
 from palpate.server.security.who import Who
 from palpate.server.sending import Sending
+from palpate.server.state import state_of
 
 __all__ = ["Watching", "router", "start_log"]
 
@@ -41,7 +42,8 @@ def health(store: StoreOf) -> Response:
 @router.get("/metrics", response_class=Response, responses={401: {"model": Problem}})
 def metrics(request: Request, who: Who) -> Response:
     """Counts and times for Prometheus, of all workers: to this computer, and to whoever has a token."""
-    if who.role is Role.NOBODY and not is_here(request):
+    proxied = state_of(request).settings.proxied
+    if who.role is Role.NOBODY and not is_here(request, proxied=proxied):
         raise problem(401, "metrics are for this computer, or need a token", headers={"WWW-Authenticate": "Bearer"})
     return Response(generate_latest(_registry()), media_type=CONTENT_TYPE_LATEST)
 

@@ -33,10 +33,7 @@ async def enter(request: Request, store: StoreOf) -> Response:
     """Log in: a new session, whatever the browser had before; and back to the page that asked for it."""
     fields = await form_of(request)
     name, password, next = fields.get("name", ""), fields.get("password", ""), fields.get("next", "/")
-    tries = state_of(request).tries
-    tries.check(request, name)
-    # before it is known whether it is the right one, as others may be under way
-    tries.count(request, name)
+    state_of(request).tries.count(request, name)
     secret = await run_in_threadpool(log_in, store, name, password)
     if secret is None:
         return _form(request, 403, wrong=True, name=name, next=next)

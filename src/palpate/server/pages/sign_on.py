@@ -15,10 +15,11 @@ from palpate.server.api.parameters import StoreOf
 from palpate.server.pages.sessions import begin_session
 from palpate.server.pages.templates import page
 from palpate.server.problems import problem
+from palpate.server.security.asking import AwayError, SignOnError
 from palpate.server.security.identities import UnknownPersonError, account_name
 from palpate.server.security.logging_in import SESSION_DAYS
 from palpate.server.security.returns import log_in_for, own_path
-from palpate.server.security.single_sign_on import Attempt, Provider, SignOnError
+from palpate.server.security.single_sign_on import Attempt, Provider
 from palpate.server.security.tokens import issue
 from palpate.server.state import state_of
 from palpate.store.store import Store
@@ -28,6 +29,7 @@ __all__ = ["router"]
 router = APIRouter(prefix="/login/provider")
 COOKIE = "palpate-attempt"
 PATH = "/login/provider"
+BACK = f"{PATH}/back"
 ATTEMPT_S = 600
 _log = logging.getLogger("palpate.server")
 
@@ -37,11 +39,12 @@ def leave(request: Request) -> Response:
     """Send a browser to the provider, and leave in it what its answer is known by."""
     provider, attempt = _provider(request), Attempt.new()
     next = own_path(request.query_params.get("next", "/"))
+    state_of(request).tries.count(request, PATH)
     try:
         found = RedirectResponse(provider.address(attempt, _back(request)), 303)
     except SignOnError as error:
         _log.error("%s: %s", provider.issuer, error)
-        return page(request, "sign_on.html", 502, told=str(error), again=log_in_for(next))
+        return _refused(request, error, 502, next)
     value = ".".join((attempt.state, attempt.nonce, attempt.verifier, _hidden(next)))
     secure = state_of(request).settings.secure
     # the provider sends the browser back from elsewhere, where a strict cookie would stay behind
@@ -52,10 +55,9 @@ def leave(request: Request) -> Response:
 @router.get("/back")
 async def come_back(request: Request, store: StoreOf) -> Response:
     """Log in who the provider says it is; a page, as a browser that comes from elsewhere would not send the session."""
-    provider, tries = _provider(request), state_of(request).tries
+    provider = _provider(request)
     attempt, next = _attempt(request)
-    tries.check(request, PATH)
-    tries.count(request, PATH)
+    state_of(request).tries.count(request, BACK)
     try:
         name = await run_in_threadpool(_name, request, store, provider, attempt)
         secret = await run_in_threadpool(issue, store, name, days=SESSION_DAYS)
@@ -63,10 +65,17 @@ async def come_back(request: Request, store: StoreOf) -> Response:
         begin_session(found, secret, secure=state_of(request).settings.secure)
     except (SignOnError, UnknownPersonError) as error:
         _log.warning("%s: %s", provider.issuer, error)
-        found = page(request, "sign_on.html", 403, told=str(error), again=log_in_for(next))
+        found = _refused(request, error, 403, next)
     # the answer to one question is taken once
     found.delete_cookie(COOKIE, path=PATH, httponly=True, samesite="lax")
     return found
+
+
+def _refused(request: Request, error: SignOnError | UnknownPersonError, status: int, next: str) -> Response:
+    """The page of who is not logged in; where the provider is away, it says when to try again."""
+    headers = {"Retry-After": str(int(error.retry_s) + 1)} if isinstance(error, AwayError) else None
+    again = log_in_for(next)
+    return page(request, "sign_on.html", 503 if headers else status, headers, told=str(error), again=again)
 
 
 def _name(request: Request, store: Store, provider: Provider, attempt: Attempt | None) -> str:
@@ -113,4 +122,4 @@ def _provider(request: Request) -> Provider:
 def _back(request: Request) -> str:
     """Where the provider sends a browser back to; it knows the address, and sends it to no other."""
     scheme = "https" if state_of(request).settings.secure else request.url.scheme
-    return f"{scheme}://{quote(request.headers.get('host', ''), safe=':[].-')}{PATH}/back"
+    return f"{scheme}://{quote(request.headers.get('host', ''), safe=':[].-')}{BACK}"

@@ -24,9 +24,12 @@ def address_of(connection: HTTPConnection) -> str:
     return connection.client.host if connection.client is not None else ""
 
 
-def is_here(connection: HTTPConnection) -> bool:
-    """Whether a request comes from this computer, so that nobody has read it on its way."""
+def is_here(connection: HTTPConnection, *, proxied: bool) -> bool:
+    """Whether a request comes from this computer, so that nobody has read it on its way.
+
+    None is known to where a proxy passes requests on: without the header that names the client each comes from here.
+    """
     try:
-        return ip_address(address_of(connection)).is_loopback
+        return not proxied and ip_address(address_of(connection)).is_loopback
     except ValueError:
         return False

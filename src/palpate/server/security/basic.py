@@ -30,7 +30,7 @@ IN_THE_CLEAR = (
 
 def basic_owner(request: Request) -> Account:
     """An account that may upload; nothing is looked at where the password could be overheard on its way."""
-    if request.url.scheme != "https" and not is_here(request):
+    if request.url.scheme != "https" and not is_here(request, proxied=state_of(request).settings.proxied):
         raise problem(403, IN_THE_CLEAR)
     if "origin" in request.headers:
         # a browser that knows a password sends it along whoever has written the page
@@ -63,16 +63,16 @@ def _given(request: Request) -> tuple[str, str]:
 
 
 def _found(request: Request, name: str, secret: str) -> Account:
-    """The account; only what fails is counted, as each upload of many logs in again."""
+    """The account; what succeeds is not counted in the end, as each upload of many logs in again."""
     state = state_of(request)
     by_token = account_of(state.store, secret)
     if by_token is not None and by_token.name == name:
         return by_token
-    state.tries.check(request, name)
+    state.tries.count(request, name)
     found = _by_password(state.store, name, secret)
     if found is None:
-        state.tries.count(request, name)
         raise _refused("the name or the password is wrong")
+    state.tries.give_back(request, name)
     return found
 
 

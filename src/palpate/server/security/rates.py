@@ -49,8 +49,13 @@ class Rate:
         return wait_s
 
     def would_wait_s(self, key: str) -> float:
-        """As `wait_s`, and nothing is counted: for what counts only where it fails [s]."""
+        """As `wait_s`, and nothing is counted: for what several rates count or none [s]."""
         return self._wait_s(key, self._clock())
+
+    def give_back(self, key: str) -> None:
+        """Count one less."""
+        now = self._clock()
+        self._keep(key, min(self.burst, self._now(key, now) + 1), now)
 
     def _wait_s(self, key: str, now: float) -> float:
         left = self._now(key, now)

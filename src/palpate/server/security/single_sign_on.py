@@ -6,7 +6,6 @@ The authorisation code flow with PKCE; what it takes to recognise the answer sta
 from __future__ import annotations
 
 import secrets
-import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -14,8 +13,9 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from palpate.errors import PalpateError
+from palpate.server.security.asking import Asking, AwayError, SignOnError
 
-__all__ = ["Attempt", "Identity", "Provider", "SignOnError", "check_issuer"]
+__all__ = ["Attempt", "Identity", "Provider", "check_issuer"]
 
 # signed with a key that only the provider has; "none" and secrets that are shared are not
 ALGORITHMS = ("RS256", "PS256", "ES256", "RS384", "RS512", "PS384", "PS512", "ES384", "ES512", "Ed25519", "EdDSA")
@@ -23,10 +23,6 @@ SCOPE = "openid email profile"
 CLOCKS_DIFFER_S = 60
 WAIT_S = 10.0
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
-
-
-class SignOnError(PalpateError):
-    """Nobody is logged in, and why."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +73,8 @@ def check_issuer(address: str) -> None:
 class Provider:
     """An OpenID provider; what it says of itself is asked once, and its keys again where one is not known.
 
+    Threads that ask it wait for it and for nobody else, and they are few (see `palpate.server.security.asking`).
+
     Parameters
     ----------
     issuer
@@ -90,7 +88,7 @@ class Provider:
         self.issuer = issuer
         self._client_id = client_id
         self._client_secret = client_secret
-        self._lock = threading.Lock()
+        self._asking = Asking()
         self._metadata: Mapping[str, Any] | None = None
         self._keys: Mapping[str, Any] | None = None
 
@@ -100,7 +98,7 @@ class Provider:
         Raises
         ------
         SignOnError
-            If the provider does not answer, or not as one.
+            If the provider does not answer as one; it is an `AwayError` where it does not answer.
         """
         with self._client(back) as client:
             endpoint = self._told("authorization_endpoint")
@@ -115,19 +113,27 @@ class Provider:
         Raises
         ------
         SignOnError
-            If it is no answer to this attempt, or the provider does not answer.
+            If it is no answer to this attempt; it is an `AwayError` where the provider does not answer.
         """
         from authlib.integrations.base_client import OAuthError
-        from httpx2 import HTTPError
+        from httpx2 import HTTPError, TransportError
 
         endpoint = self._told("token_endpoint")
+
+        def fetched() -> Any:
+            try:
+                with self._client(back) as client:
+                    return client.fetch_token(endpoint, code=code, code_verifier=attempt.verifier)
+            except TransportError as error:
+                raise _silent(error) from None
+
         try:
-            with self._client(back) as client:
-                token = client.fetch_token(endpoint, code=code, code_verifier=attempt.verifier)
+            token = self._asking.ask(fetched)
         except OAuthError as error:
             raise SignOnError(f"the provider refuses the log-in ({_word(error.error)})") from None
         except (HTTPError, ValueError) as error:
-            raise self._silent(error) from None
+            # it may be the code that it cannot answer, which anybody may make up: others go on
+            raise SignOnError(f"the provider does not answer as one ({type(error).__name__})") from None
         signed = token.get("id_token")
         if not isinstance(signed, str):
             raise SignOnError("the provider has sent no signed answer")
@@ -173,13 +179,15 @@ class Provider:
         return jwt.decode(signed, KeySet.import_key_set(self._key_set(again=again)), registry=registry)
 
     def _about(self) -> Mapping[str, Any]:
-        with self._lock:
-            if self._metadata is None:
-                found = self._fetched(f"{self.issuer.rstrip('/')}/.well-known/openid-configuration")
-                if found.get("issuer") != self.issuer:
-                    raise SignOnError(f"the provider says that it is another one than {self.issuer}")
-                self._metadata = found
-            return self._metadata
+        if self._metadata is None:
+            self._metadata = self._asking.ask(self._introduced)
+        return self._metadata
+
+    def _introduced(self) -> Mapping[str, Any]:
+        found = self._fetched(f"{self.issuer.rstrip('/')}/.well-known/openid-configuration")
+        if found.get("issuer") != self.issuer:
+            raise AwayError(f"the provider says that it is another one than {self.issuer}")
+        return found
 
     def _told(self, name: str) -> str:
         """An address that the provider tells."""
@@ -194,10 +202,9 @@ class Provider:
 
     def _key_set(self, *, again: bool) -> Any:
         address = self._told("jwks_uri")
-        with self._lock:
-            if self._keys is None or again:
-                self._keys = self._fetched(address)
-            return self._keys
+        if self._keys is None or again:
+            self._keys = self._asking.ask(lambda: self._fetched(address))
+        return self._keys
 
     def _fetched(self, address: str) -> Mapping[str, Any]:
         import httpx2
@@ -207,9 +214,9 @@ class Provider:
             found.raise_for_status()
             plain = found.json()
         except (httpx2.HTTPError, ValueError) as error:
-            raise self._silent(error) from None
+            raise _silent(error) from None
         if not isinstance(plain, dict):
-            raise SignOnError("the provider does not answer as one")
+            raise AwayError("the provider does not answer as one")
         return plain
 
     def _client(self, back: str) -> Any:
@@ -227,8 +234,9 @@ class Provider:
         offered = self._about().get("token_endpoint_auth_methods_supported") or ["client_secret_basic"]
         return "client_secret_basic" if "client_secret_basic" in offered else "client_secret_post"
 
-    def _silent(self, error: Exception) -> SignOnError:
-        return SignOnError(f"the provider does not answer ({type(error).__name__}); try again")
+
+def _silent(error: Exception) -> AwayError:
+    return AwayError(f"the provider does not answer ({type(error).__name__}); try again")
 
 
 def _word(text: str | None) -> str:
