@@ -10,7 +10,7 @@ import json
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 from uuid import UUID
 
 from palpate.recording.errors import RecordingError
@@ -49,13 +49,21 @@ class Outbox:
         """
         (self._spool.folder / "locks").mkdir(parents=True, exist_ok=True)
         self.folder.mkdir(exist_ok=True)
-        lock = Lock(self._lock(str(episode.id)))
+        path, lock = self._path(str(episode.id)), Lock(self._lock(str(episode.id)))
         if not lock.take():
             raise RecordingError(f"{self.folder}: {episode.id} is being sent already, expected an id of its own")
-        outgoing = Outgoing(self._path(str(episode.id)), lock)
-        outgoing.write(_beginning(episode))
-        for step in episode.steps:
-            outgoing.add(step)
+        if path.exists():
+            lock.leave()
+            raise RecordingError(f"{self.folder}: {episode.id} waits there already, expected an id of its own")
+        outgoing = Outgoing(path, lock)
+        try:
+            outgoing.write(_beginning(episode))
+            for step in episode.steps:
+                outgoing.add(step)
+        except RecordingError:
+            # nothing has begun
+            outgoing.leave(is_sent=True)
+            raise
         return outgoing
 
     def waiting(self) -> list[str]:
@@ -101,24 +109,40 @@ class Outgoing:
     def __init__(self, path: Path, lock: Lock) -> None:
         self.path = path
         self._lock = lock
+        self._whole_bytes = 0
 
     def add(self, step: StoredStep) -> None:
         """Keep a line; RecordingError where the disk does not take it."""
         self.write({"record": step.record, "recording": step.recording})
 
     def write(self, plain: Any) -> None:
-        """Keep a line as JSON.
+        """Keep a line as JSON, whole or not at all; a line that a full disk has cut off is no beginning of the next.
 
         Raises
         ------
         RecordingError
             If the disk does not take it.
         """
+        data = (to_json(plain) + "\n").encode()
         try:
-            with self.path.open("a", encoding="utf-8") as file:
-                file.write(to_json(plain) + "\n")
+            with self.path.open("r+b" if self._whole_bytes else "xb", buffering=0) as file:
+                self._append(file, data)
         except OSError as error:
             raise RecordingError(f"{self.path} cannot be written: {error.strerror or error}") from error
+        self._whole_bytes += len(data)
+
+    def _append(self, file: IO[bytes], data: bytes) -> None:
+        file.truncate(self._whole_bytes)
+        file.seek(self._whole_bytes)
+        try:
+            rest = memoryview(data)
+            while rest:
+                rest = rest[file.write(rest) :]
+        except OSError:
+            # where that fails too, the next line does it
+            with suppress(OSError):
+                file.truncate(self._whole_bytes)
+            raise
 
     def leave(self, *, is_sent: bool) -> None:
         """Let others have it, or nobody where the server has it whole."""
