@@ -1,3 +1,4 @@
+import inspect
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -63,9 +64,9 @@ def before_it_was_known() -> Iterator[None]:
     """The time of a version in which these quantities had any dimension."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(quantities, "QUANTITIES", {})
-        quantities.quantity_fault.cache_clear()
+        # without what is remembered of today
+        patch.setattr(quantities, "quantity_fault", inspect.unwrap(quantities.quantity_fault))
         yield
-    quantities.quantity_fault.cache_clear()
 
 
 @pytest.fixture

@@ -11,11 +11,13 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
+from itertools import count
 from math import inf, prod
 from pathlib import Path
 from threading import Lock
 from tokenize import TokenError
+from typing import Any
 
 from palpate.errors import PalpateError
 from palpate.network.formula import Formula
@@ -35,7 +37,11 @@ NUMBER = re.compile(r"(?<!\w)\.?\d[\w.]*")
 """Beside powers there is only the one of 1/s."""
 SUPERSCRIPT = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
 AS_DIGITS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
+MOST_REMEMBERED = 1024
+MOST_ASKED = 1000
+"""After so many, pint is made anew, as it never forgets what it was asked: whoever sends a number names its unit."""
 _ASKING = Lock()
+_ASKED = count()
 
 
 class UnitError(PalpateError, ValueError):
@@ -50,7 +56,7 @@ class Unit:
     dimension: Dimension
 
 
-@cache
+@lru_cache(maxsize=MOST_REMEMBERED)
 def unit_of(text: str) -> Unit:
     """Look up a unit.
 
@@ -74,7 +80,7 @@ def _shipped() -> Mapping[str, Unit]:
     return {text: Unit(entry["factor"], entry["dimension"]) for text, entry in entries.items()}
 
 
-@cache
+@lru_cache(maxsize=MOST_REMEMBERED)
 def ask_pint(text: str) -> Unit:
     """As `unit_of`, from pint instead of the shipped answers.
 
@@ -91,7 +97,7 @@ def ask_pint(text: str) -> Unit:
     try:
         # the registry is made when it is first asked, and knows no units for whoever asks it meanwhile
         with _ASKING:
-            quantity = pint.application_registry.Quantity
+            quantity = _registry(next(_ASKED) // MOST_ASKED).Quantity
             zero, one = (quantity(value, text).to_base_units() for value in (0.0, 1.0))
         is_multiple = 0 < one.magnitude < inf
     except (pint.PintError, ArithmeticError, ValueError, TypeError, SyntaxError, TokenError, AssertionError):
@@ -103,6 +109,14 @@ def ask_pint(text: str) -> Unit:
     dimension = {str(name).strip("[]"): float(power) for name, power in sorted(one.dimensionality.items())}
     # 15 digits: pint multiplies 0.01 three times for a cubic centimetre.
     return Unit(float(f"{one.magnitude:.15g}"), dimension)
+
+
+@lru_cache(maxsize=1)
+def _registry(age: int) -> Any:
+    """Pint's units, others for another age."""
+    import pint
+
+    return pint.UnitRegistry()
 
 
 def _is_quick(text: str) -> bool:

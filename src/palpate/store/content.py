@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime
-from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from numpy.typing import NDArray
 
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
 from palpate.store.records import Channel, Device, FileItem, Pose, Recording, Series, Setup, ThingRef
+from palpate.store.remembering import remembered
 
 __all__ = [
     "canonical_array",
@@ -175,7 +175,7 @@ def _layout_plain(layout: Iterable[ChannelLayout]) -> list[dict[str, Any]]:
     return [dict(zip(LAYOUT, channel, strict=True)) for channel in layout]
 
 
-@lru_cache(maxsize=1024)
+@remembered(1024)
 def _layout_text(layout: tuple[ChannelLayout, ...]) -> str:
     return to_json(_layout_plain(layout))
 

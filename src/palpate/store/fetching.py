@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 from uuid import UUID
 
@@ -20,6 +19,7 @@ from palpate.store.errors import DamagedError, IncompleteError
 from palpate.store.legible import legible
 from palpate.store.records import Recording, Series, Setup
 from palpate.store.registry import thing_of
+from palpate.store.remembering import remembered
 from palpate.store.seals import checked_document, recording_name
 
 __all__ = [
@@ -200,14 +200,14 @@ def from_row_or_blob(data: bytes | None, blob: bytes | None, blobs: Blobs) -> by
     return data if blob is None else blobs.get(blob.hex())
 
 
-@lru_cache(maxsize=1024)
+@remembered(1024)
 def parsed_layout(digest: bytes, document: str) -> list[dict[str, Any]]:
     """A layout of a series as `palpate.store.arrays.unpack_series` takes it; DamagedError where it is another."""
     layout: list[dict[str, Any]] = checked_document("layouts", digest, document)
     return layout
 
 
-@lru_cache(maxsize=256)
+@remembered(256)
 def setup_of(digest: bytes, document: str) -> Setup:
     """The setup of a digest and a document; DamagedError where they do not belong together."""
     return setup_from(checked_document("setups", digest, document))

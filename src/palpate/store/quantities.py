@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
 
 from palpate.network.units import UnitError, dimension_fault, unit_of
 from palpate.store.errors import StoreError
+from palpate.store.remembering import remembered
 
 __all__ = ["QUANTITIES", "check_quantity", "quantity_fault"]
 
@@ -60,7 +60,7 @@ without a unit, as 'dimensionless'
         raise StoreError(f"{where}: {fault}")
 
 
-@lru_cache(maxsize=1024)
+@remembered(1024)
 def quantity_fault(unit: str, name: str) -> str | None:
     """What is wrong with a unit of a quantity or property; None where nothing is."""
     try:

@@ -7,6 +7,7 @@ import time
 from collections import ChainMap
 from collections.abc import Hashable, Iterator, Mapping, MutableMapping
 from hashlib import sha256
+from itertools import islice
 from typing import Any
 
 from sqlalchemy import Connection, Table, insert, select, update
@@ -23,7 +24,9 @@ from palpate.store.records import Device, Recording, Setup, ThingRef
 __all__ = ["Lookup", "NotRememberedError", "Registry", "now_us", "units_in"]
 
 MEASURED = (Value, Interval, Bound)
-Key = tuple[Hashable, ...]
+MOST_REMEMBERED = 10_000
+"""Rows of which a store knows the numbers without looking."""
+Key = tuple[str, Hashable]
 
 
 def now_us() -> int:
@@ -50,11 +53,11 @@ class Registry:
     """
 
     def __init__(self) -> None:
-        self.remembered: MutableMapping[Key, int] = {}
+        self.remembered: dict[Key, int] | ChainMap[Key, int] = {}
 
     def layout(self, layout: str) -> int:
         """The row of a layout of series."""
-        return self.remembered.get(("layout", layout)) or self._new_layout(layout)
+        return self.remembered.get(_key("layout", layout)) or self._new_layout(layout)
 
     def setup(self, setup: Setup) -> int:
         """The row of a setup."""
@@ -113,11 +116,14 @@ class Lookup(Registry):
         self.remembered = ChainMap(self.found, registry.remembered)
 
     def keep(self) -> None:
-        """Remember what was found."""
-        self.registry.remembered.update(self.found)
+        """Remember what was found, and forget what was found first where that is too much."""
+        remembered = self.registry.remembered
+        remembered.update(self.found)
+        for key in list(islice(remembered, max(0, len(remembered) - MOST_REMEMBERED))):
+            del remembered[key]
 
     def _new_layout(self, layout: str) -> int:
-        return self._kept(("layout", layout), self._by_digest(schema.layouts, layout, {}))
+        return self._kept(_key("layout", layout), self._by_digest(schema.layouts, layout, {}))
 
     def _new_setup(self, setup: Setup) -> int:
         return self._kept(("setup", setup.digest), self._make_setup(setup))
@@ -190,7 +196,13 @@ class Lookup(Registry):
 def _thing_key(thing: ThingRef) -> Key:
     """What tells an object, and its description, from others."""
     described = to_json(thing.attributes) if thing.attributes else ""
-    return ("thing", thing.dataset, thing.id, thing.maker, thing.common_name, tuple(thing.aliases), described)
+    names = (thing.dataset, thing.id, thing.maker, thing.common_name, tuple(thing.aliases), described)
+    return _key("thing", repr(names))
+
+
+def _key(kind: str, text: str) -> Key:
+    """By what something is remembered; a text may be of any length."""
+    return (kind, sha256(text.encode("utf-8", "surrogatepass")).digest())
 
 
 def thing_of(row: Mapping[Any, Any]) -> ThingRef:
