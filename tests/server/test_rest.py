@@ -11,10 +11,12 @@ from typing import Any
 from urllib.parse import urlencode
 from uuid import UUID
 
+import anyio
 import pytest
 from fastapi.testclient import TestClient
 
 from palpate.server.app import application
+from palpate.server.rest import forms
 from palpate.server.security.accounts import Role, add_user
 from palpate.server.security.logging_in import set_password
 from palpate.server.security.tokens import issue
@@ -346,6 +348,55 @@ def test_guesses_at_once_are_no_more_than_one_by_one(
     with ThreadPoolExecutor(12) as pool:
         assert sorted(pool.map(guess, range(12))) == [401] * 10 + [429] * 2
     assert len(looked) == 10
+
+
+def test_fields_have_an_end_and_files_a_larger_one(here: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    """JSON is read whole into memory, all fields together; a refusal is a sentence."""
+    monkeypatch.setattr(forms, "LARGEST_FIELDS_BYTES", 4000)
+    plain = {"measurement": measurement()}
+    large = {"measurement png": ("front.png", PNG + bytes(100_000))}
+    assert send(here, plain, large).status_code == 201
+    one = form("measurement", {**plain, "note": "x" * 4000}, {})
+    several = (_fields(10, 410) + one[0], one[1])
+    encoded = urlencode({"measurement": json.dumps(plain), "note": "x" * 4000}).encode()
+    for body, kind in (one, several, (encoded, {"Content-Type": "application/x-www-form-urlencoded"})):
+        refused = here.post("/rest/measurements/", content=body, headers=kind)
+        assert refused.status_code == 413, refused.text
+        assert refused.text == "the fields of the form are too large, expected 4000 bytes at most beside its files\n"
+
+
+def _fields(count: int, size: int) -> bytes:
+    head = f'--{EDGE}\r\nContent-Disposition: form-data; name="n{{}}"\r\n\r\n{"y" * size}\r\n'
+    return "".join(head.format(number) for number in range(count)).encode()
+
+
+@pytest.mark.parametrize("path", ["/rest/measurements/", "/api/v1/recordings", "/login"])
+def test_who_goes_away_in_the_middle_is_no_error_of_the_server(
+    here: TestClient, store: Store, caplog: pytest.LogCaptureFixture, path: str
+) -> None:
+    """Networks of robots break; the log is for what somebody should look at."""
+    body, kind = form("measurement", {"measurement": measurement()}, {"measurement png": ("a.png", PNG)})
+    if path == "/login":
+        kind = {"Content-Type": "application/x-www-form-urlencoded", "Origin": "http://testserver"}
+    elif path != "/rest/measurements/":
+        kind["authorization"] = f"Bearer {issue(store, 'jeff')}"
+    headers = {**dict(here.headers), **kind, "host": "testserver"}
+    scope = {"type": "http", "method": "POST", "path": path, "raw_path": path.encode(), "query_string": b""}
+    scope |= {"headers": [(name.lower().encode(), value.encode()) for name, value in headers.items()]}
+    scope |= {"scheme": "http", "client": ("127.0.0.1", 1), "server": ("testserver", 80), "root_path": ""}
+    coming = iter(({"type": "http.request", "body": body[:300], "more_body": True}, {"type": "http.disconnect"}))
+    sent = list[Any]()
+
+    async def receive() -> Any:
+        return next(coming)
+
+    async def keep(message: Any) -> None:
+        sent.append(message)
+
+    anyio.run(here.app, scope | {"http_version": "1.1"}, receive, keep)
+    assert sent[0]["status"] == 400
+    assert b"the body ended early" in sent[1]["body"]
+    assert [one.getMessage() for one in caplog.records if one.levelname == "ERROR"] == []
 
 
 def test_behind_a_proxy_nothing_comes_from_this_computer(store: Store) -> None:

@@ -16,6 +16,7 @@ from pydantic import BaseModel
 from sqlalchemy.exc import DataError, OperationalError
 from sqlalchemy.exc import TimeoutError as NoConnectionError
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 from starlette.responses import Response
 from starlette.types import ASGIApp, Receive, Scope, Send
 
@@ -93,6 +94,7 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(NoConnectionError, _unavailable)
     app.add_exception_handler(DamagedError, _damaged)
     app.add_exception_handler(StoreError, _store)
+    app.add_exception_handler(ClientDisconnect, _gone)
     app.add_exception_handler(OverflowError, _out_of_range)
     app.add_exception_handler(DataError, _out_of_range)
 
@@ -168,6 +170,11 @@ async def _unavailable(request: Request, error: Any) -> Response:
 async def _damaged(request: Request, error: Any) -> Response:
     _log.error("damaged: %s", error)
     return _answer(request, problem(500, "stored bytes are damaged; `palpate store verify` tells which"))
+
+
+async def _gone(request: Request, error: Any) -> Response:
+    # nobody reads it but whoever looks at the log of requests
+    return _answer(request, problem(400, "the body ended early"))
 
 
 async def _out_of_range(request: Request, error: Any) -> Response:

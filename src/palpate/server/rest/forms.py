@@ -23,7 +23,8 @@ __all__ = ["Form", "Part", "form_in"]
 
 MOST_FILES = 200
 MOST_FIELDS = 20
-LARGEST_FIELD_BYTES = 64 << 20
+LARGEST_FIELDS_BYTES = 8 << 20
+"""Of all fields that are no files, as they are read whole into memory, and many times as large there."""
 LONGEST_NAME = 100
 
 
@@ -49,12 +50,12 @@ class Form:
 async def form_in(request: Request, name: str) -> AsyncIterator[Form]:
     """The form of a request, whose field `name` holds JSON; with files it is multipart, and without URL-encoded."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    limits = {"max_fields": MOST_FIELDS, "max_part_size": LARGEST_FIELD_BYTES}
+    limits = {"max_fields": MOST_FIELDS, "max_part_size": LARGEST_FIELDS_BYTES}
     try:
         if kind == "multipart/form-data":
-            found = await MultiPartParser(request.headers, request.stream(), max_files=MOST_FILES, **limits).parse()
+            found = await _Multipart(request.headers, request.stream(), max_files=MOST_FILES, **limits).parse()
         elif kind == "application/x-www-form-urlencoded":
-            found = await FormParser(request.headers, request.stream(), **limits).parse()
+            found = await _UrlEncoded(request.headers, request.stream(), **limits).parse()
         else:
             raise problem(415, f"content-type: found {kind[:60]!r}, expected multipart/form-data")
     except MultiPartException as error:
@@ -66,6 +67,34 @@ async def form_in(request: Request, name: str) -> AsyncIterator[Form]:
             yield await run_in_threadpool(_form, name, found.multi_items(), Path(folder))
     finally:
         await found.close()
+
+
+class _Multipart(MultiPartParser):
+    """Refuses fields that are too large together; files are on the disk."""
+
+    _texts_bytes = 0
+
+    def on_part_data(self, data: bytes, start: int, end: int) -> None:
+        if self._current_part.file is None:
+            self._texts_bytes = _not_too_large(self._texts_bytes + end - start)
+        super().on_part_data(data, start, end)
+
+
+class _UrlEncoded(FormParser):
+    """Likewise, of a form that has no files."""
+
+    _texts_bytes = 0
+
+    def on_field_data(self, data: bytes, start: int, end: int) -> None:
+        self._texts_bytes = _not_too_large(self._texts_bytes + end - start)
+        super().on_field_data(data, start, end)
+
+
+def _not_too_large(size: int) -> int:
+    if size > LARGEST_FIELDS_BYTES:
+        told = f"the fields of the form are too large, expected {LARGEST_FIELDS_BYTES} bytes at most beside its files"
+        raise problem(413, told, headers={"Connection": "close"})
+    return size
 
 
 def _form(name: str, items: list[tuple[str, UploadFile | str]], folder: Path) -> Form:
