@@ -1,8 +1,10 @@
 """Explorations that others send: line by line, in order, each once, by those who may, and only what a page can show."""
 
 import json
+import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -271,4 +273,35 @@ def test_two_who_send_at_once_make_one_exploration(
     with ThreadPoolExecutor(3) as pool:
         found = [status for statuses in pool.map(send, range(3)) for status in statuses]
     assert set(found) <= {200, 201, 409}
+    assert found.count(201) == 3
     assert get_episode(store, episode.id).digest == episode.digest
+
+
+@pytest.mark.parametrize("names", [("ann", "ann"), ("ann", "bob")])
+def test_of_two_who_send_the_same_at_once_one_is_first(
+    client: TestClient,
+    store: Store,
+    token: Token,
+    episode: StoredEpisode,
+    monkeypatch: pytest.MonkeyPatch,
+    names: tuple[str, str],
+) -> None:
+    """Both have looked before one writes: one beginning and one line are new; a second account gets nothing of it."""
+    headers = {name: token(name) for name in set(names)}
+    address, waiting, put = f"{API}/{episode.id}", threading.Barrier(2), explorations.put_episode
+
+    def together(*args: Any, **options: Any) -> Any:
+        with suppress(threading.BrokenBarrierError):
+            waiting.wait(1.0)
+        return put(*args, **options)
+
+    monkeypatch.setattr(explorations, "put_episode", together)
+    second = 200 if names[0] == names[1] else 409
+    with ThreadPoolExecutor(2) as pool:
+        start = start_of(episode, owner=None)
+        begun = pool.map(lambda name: client.put(address, json=start, headers=headers[name]).status_code, names)
+        assert sorted(begun) == sorted((201, second))
+        if second == 200:
+            line = line_of(episode, 1)
+            sent = pool.map(lambda _: client.put(f"{address}/lines/1", json=line, headers=headers["ann"]), range(2))
+            assert sorted(one.status_code for one in sent) == [200, 201]

@@ -89,7 +89,8 @@ def begin(state: State, who: Account, episode: StoredEpisode) -> tuple[int, bool
     except (StoreError, LogError) as error:
         raise problem_of_store(error) from None
     _check_id(episode, receipt)
-    return 0, receipt.new
+    # where somebody else began the same at once, it is known as if they had done so before
+    return (0, True) if receipt.new else (_known(state, who, episode), False)
 
 
 def _check_id(episode: StoredEpisode, receipt: Receipt) -> None:
@@ -121,18 +122,19 @@ def add(
     if position > lines + 1:
         raise problem(409, f"line {position} came, and {lines} are here: expected line {lines + 1}")
     if position == lines + 1:
-        return _grown(state, who, there, StoredStep(record, recording)), True
+        return _grown(state, who, there, StoredStep(record, recording))
     if StoredStep(record, recording).document != there.steps[position - 1].document:
         raise problem(409, f"line {position} is here already and is another one; lines do not change")
     return there, False
 
 
-def _grown(state: State, who: Account, there: StoredEpisode, step: StoredStep) -> StoredEpisode:
+def _grown(state: State, who: Account, there: StoredEpisode, step: StoredStep) -> tuple[StoredEpisode, bool]:
     grown = there.continued(step.record, step.recording)
     try:
         _check(grown)
         if step.recording is not None and not recordings_of_digests(state.store, who.viewer, [step.recording]):
             raise StoreError(f"recording: {step.recording} is not in the store, expected it to be sent first")
+        # who was second of two that sent the same at once learns that it is here
         receipt = put_episode(state.store, grown, uploader=who.name)
     except (UnavailableError, DamagedError):
         raise
@@ -143,7 +145,7 @@ def _grown(state: State, who: Account, there: StoredEpisode, step: StoredStep) -
             raise problem(409, f"line {len(grown.steps)} came twice at once, and {now} are here") from None
         raise problem_of_store(error) from None
     _check_id(grown, receipt)
-    return grown
+    return grown, receipt.new
 
 
 def _check(episode: StoredEpisode) -> None:
