@@ -22,7 +22,7 @@ from palpate.server.security.accounts import Role
 from palpate.store.describing import change_thing
 from palpate.store.entries import Value
 from palpate.store.episodes import StoredEpisode
-from palpate.store.keeping_episodes import get_episode
+from palpate.store.keeping_episodes import get_episode, put_episode
 from palpate.store.records import ThingRef
 from palpate.store.store import Store
 from tests.store.made_up import START, squeeze
@@ -288,7 +288,7 @@ def test_of_two_who_send_the_same_at_once_one_is_first(
 ) -> None:
     """Both have looked before one writes: one beginning and one line are new; a second account gets nothing of it."""
     headers = {name: token(name) for name in set(names)}
-    address, waiting, put = f"{API}/{episode.id}", threading.Barrier(2), explorations.put_episode
+    address, waiting, put = f"{API}/{episode.id}", threading.Barrier(2), put_episode
 
     def together(*args: Any, **options: Any) -> Any:
         with suppress(threading.BrokenBarrierError):

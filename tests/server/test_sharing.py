@@ -9,10 +9,12 @@ import pytest
 from fastapi.testclient import TestClient
 
 from palpate.server.security.accounts import Role
+from palpate.store.importing.lines import line_of
 from palpate.store.keeping_episodes import get_episode, put_episode
 from palpate.store.store import Store
 from palpate.store.verifying import verify
 from tests.server.conftest import KEY
+from tests.server.packages import package
 from tests.store.made_up import made_episode, squeeze
 
 RECORDINGS, EPISODES = "/api/v1/recordings", "/api/v1/episodes"
@@ -110,6 +112,46 @@ def test_what_names_no_owner_is_of_who_has_sent_it(client: TestClient, token: To
     assert is_seen(client, address, robot)
     told = [client.get(address, headers=headers).json().get("uploaded_by") for headers in (robot, {})]
     assert told == ["robot", None]
+
+
+@pytest.mark.parametrize("way", ["put", "lines", "packages"])
+def test_each_who_sends_the_same_has_it_as_if_they_alone_did(client: TestClient, token: Token, way: str) -> None:
+    """What is private and names no owner is seen by all who have sent it; none learns that it was there."""
+    one = squeeze(7)
+    people = {name: token(name) for name in ("kim", "lee", "bob")}
+
+    def sent(name: str) -> tuple[int, bool, str]:
+        if way == "put":
+            found = client.put(f"{RECORDINGS}/{one.digest}", content=package(one), headers=people[name])
+            return found.status_code, found.json()["new"], found.json()["id"]
+        if way == "packages":
+            found = client.post(RECORDINGS, files={"one": package(one)}, headers=people[name])
+        else:
+            kind = {"Content-Type": "application/x-ndjson"}
+            found = client.post(RECORDINGS, content=line_of(one), headers={**people[name], **kind})
+        (item,) = found.json()["items"]
+        return item["status"], item["new"], item["id"]
+
+    first = sent("kim")
+    assert first[:2] == (201, True)
+    digest = client.get(RECORDINGS, headers=people["kim"]).json()["items"][0]["digest"]
+    assert client.get(RECORDINGS, headers=people["lee"]).json()["items"][0]["digest"] != digest
+    assert sent("lee") == first
+    assert sent("lee") == sent("kim") == (200, False, first[2])
+    for name in ("kim", "lee"):
+        assert client.get(f"{RECORDINGS}/{digest}", headers=people[name]).json()["uploaded_by"] == name
+        assert client.get(RECORDINGS, headers=people[name]).json()["items"][0]["digest"] == digest
+        page = client.get(f"/recordings/{first[2]}", headers=people[name])
+        assert page.status_code == 200
+        assert ({"kim": "lee", "lee": "kim"}[name] in page.text.replace("kilogram", "")) is False
+    assert not is_seen(client, f"{RECORDINGS}/{digest}", people["bob"])
+    # who was first decides who else sees it
+    wanted = {"visibility": "lab"}
+    assert client.patch(f"{RECORDINGS}/{digest}", json=wanted, headers=people["lee"]).status_code == 403
+    assert client.patch(f"{RECORDINGS}/{digest}", json=wanted, headers=people["kim"]).status_code == 200
+    assert sent("bob")[:2] == (200, False)
+    client.patch(f"{RECORDINGS}/{digest}", json={"visibility": "private"}, headers=people["kim"])
+    assert is_seen(client, f"{RECORDINGS}/{digest}", people["bob"])
 
 
 @pytest.mark.parametrize(

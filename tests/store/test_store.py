@@ -27,7 +27,8 @@ def test_who_sent_it_first_is_kept_beside_the_content(store: Store) -> None:
     made = [squeeze(number) for number in range(3)]
     store.put(made[0])
     store.put(made[1], uploader="ann")
-    assert [receipt.new for receipt in store.put_many(made, uploader="bob")] == [False, False, True]
+    assert [receipt.new for receipt in store.put_many(made, uploader="bob")] == [True, True, True]
+    assert [receipt.new for receipt in store.put_many(made, uploader="bob")] == [False, False, False]
     assert uploaders(store) == {made[0].id: None, made[1].id: "ann", made[2].id: "bob"}
     assert list(verify(store)) == []
 

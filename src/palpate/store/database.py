@@ -34,7 +34,7 @@ __all__ = [
     "writing",
 ]
 
-LATEST = "0005"
+LATEST = "0006"
 MIGRATIONS = Path(__file__).parent / "migrations"
 WAIT_S = 30
 PAGE_BYTES = 16384

@@ -8,7 +8,7 @@ from datetime import datetime
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, select
+from sqlalchemy import ColumnElement, Connection, select
 
 from palpate.store import schema
 from palpate.store.arrays import unpack_bytes, unpack_series
@@ -17,7 +17,7 @@ from palpate.store.embargo import embargo_of
 from palpate.store.entries import Entry
 from palpate.store.fetching import from_row_or_blob, parsed_layout, setup_of
 from palpate.store.legible import reading
-from palpate.store.records import Pose, Series, Setup, ThingRef
+from palpate.store.records import Pose, Series, Setup, ThingRef, visibility_now
 from palpate.store.registry import thing_of
 from palpate.store.rows import moment_at
 from palpate.store.seals import sealed_document
@@ -91,8 +91,21 @@ def head_of(store: Store, viewer: Viewer, key: UUID | bytes) -> Head | None:
         row = connection.execute(asked).mappings().first()
         if row is None:
             return None
-        head, key_of = _head(row), row[things.c.id]
+        head, key_of = _as_sent(connection, viewer, _head(row)), row[things.c.id]
         return replace(head, thing=seen_refs(connection, viewer, {key_of: head.thing})[key_of])
+
+
+def _as_sent(connection: Connection, viewer: Viewer, head: Head) -> Head:
+    """What is hidden from others, to one of several who have sent it: as if it were sent by them alone."""
+    mine = viewer.name in (head.document["owner"], head.uploaded_by)
+    if viewer.everything or mine or visibility_now(head.visibility, head.embargoed_until) != "private":
+        return head
+    senders = schema.senders.c
+    asked = select(senders.sent_us).where(senders.name == viewer.name, senders.recording_id == head.row)
+    sent_us = connection.scalar(asked)
+    if sent_us is None:
+        return head
+    return replace(head, uploaded_by=viewer.name, uploaded_at=moment_at(sent_us))
 
 
 def _head(row: Mapping[Any, Any]) -> Head:

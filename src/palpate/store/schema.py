@@ -23,6 +23,7 @@ __all__ = [
     "metadata",
     "properties",
     "recordings",
+    "senders",
     "series",
     "setup_devices",
     "setups",
@@ -152,6 +153,15 @@ recordings = Table(
     Index("ix_recordings_of_setup", "setup_id", "recorded_us", "id", *SEEN_BY),
     Index(None, "gripper", "recorded_us", "id"),
     _where("owner IS NOT NULL", "owner", "recorded_us", "id"),
+)
+# beside the one that a recording names itself
+senders = Table(
+    "senders",
+    metadata,
+    Column("name", String, primary_key=True),
+    Column("recording_id", Id, ForeignKey("recordings.id"), primary_key=True),
+    Column("sent_us", BigInteger, nullable=False),
+    sqlite_with_rowid=False,
 )
 series = Table(
     "series",

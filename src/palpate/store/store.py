@@ -24,6 +24,7 @@ from palpate.store.outages import not_kept, patiently
 from palpate.store.records import Receipt, Recording
 from palpate.store.registry import Lookup, NotRememberedError, Registry, now_us, units_in
 from palpate.store.rows import Prepared, counted, entry_rows, prepare
+from palpate.store.senders import note_sender
 from palpate.store.together import Together
 
 __all__ = ["Store"]
@@ -76,7 +77,8 @@ class Store:
         recording
             What to keep.
         uploader
-            The account that has sent it, where one did. Of several that send the same, the first counts.
+            The account that has sent it, where one did. Of several that send the same, the first decides who else
+            sees it, and all see it; to one from whom it was hidden it is new.
 
         Raises
         ------
@@ -122,7 +124,16 @@ class Store:
         prepared = [prepare(recording, self.blobs, uploader=uploader) for recording in recordings]
         if known_wrong:
             prepared = [replace(one, is_known_wrong=one.recording.digest in known_wrong) for one in prepared]
-        return self._together.commit(prepared) if prepared else []
+        receipts = self._together.commit(prepared) if prepared else []
+        if uploader is not None:
+            again = [one.digest for one in receipts if not one.new]
+            hidden = self.note_sender(again, uploader)
+            receipts = [replace(one, new=one.new or one.digest in hidden) for one in receipts]
+        return receipts
+
+    def note_sender(self, digests: Sequence[str], name: str) -> set[str]:
+        """Note that an account has sent recordings that are there; digests of those that were hidden from it."""
+        return note_sender(self.engine, digests, name) if digests else set()
 
     def known(self, digests: Iterable[str]) -> set[str]:
         """Which of these digests are those of recordings that are there.

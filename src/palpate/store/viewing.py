@@ -1,9 +1,9 @@
 """Who may see what: conditions that stand in every question of a server, so that nothing is filtered afterwards.
 
 A recording or an episode is seen by all where it is public, by everybody with an account where it is for the lab, and
-by its owner, by who has sent it, and by administrators where it is private or until its embargo ends. An object is seen
-where something that was done with it is, or where nothing was done with it yet; a setup where a recording is that was
-made with it.
+by its owner, by all who have sent it, and by administrators where it is private or until its embargo ends. An object is
+seen where something that was done with it is, or where nothing was done with it yet; a setup where a recording is that
+was made with it.
 """
 
 from __future__ import annotations
@@ -55,8 +55,16 @@ class Viewer:
             return true()
         shown = ("public", "lab") if self.lab else ("public",)
         open_ = [and_(table.c.visibility.in_(shown), is_over(table, self.now_us))]
-        own = [] if self.name is None else [table.c.owner == self.name, table.c.uploaded_by == self.name]
-        return or_(*open_, *own)
+        return or_(*open_, *self._own(table))
+
+    def _own(self, table: Table) -> Iterator[ColumnElement[bool]]:
+        if self.name is None:
+            return
+        yield table.c.owner == self.name
+        yield table.c.uploaded_by == self.name
+        if table is schema.recordings:
+            senders = schema.senders.c
+            yield table.c.id.in_(select(senders.recording_id).where(senders.name == self.name))
 
     @cached_property
     def now_us(self) -> int:

@@ -123,6 +123,7 @@ def _is_taken(connection: Connection, name: str) -> bool:
     columns += [
         table.c[column] for table in (schema.recordings, schema.episodes) for column in ("owner", "uploaded_by")
     ]
+    columns.append(schema.senders.c.name)
     return any(
         connection.execute(select(column).where(column == name).limit(1)).first() is not None for column in columns
     )

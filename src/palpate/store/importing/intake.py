@@ -139,7 +139,13 @@ def _read(item: Item | Outcome, known: Collection[str]) -> Read | Outcome:
 def _keep(presence: Presence, batch: Sequence[Read], uploader: str | None) -> Iterator[Outcome]:
     """Keep what the store does not have whole: looking up a digest is quicker than putting it again."""
     known, broken = presence.known(one.recording.digest for one in batch)
-    yield from (Outcome(one.source, Fate.KNOWN, None, one.recording) for one in batch if one.recording.digest in known)
+    there = [one for one in batch if one.recording.digest in known]
+    hidden = (
+        set() if uploader is None else presence.store.note_sender([one.recording.digest for one in there], uploader)
+    )
+    for one in there:
+        fate = Fate.NEW if one.recording.digest in hidden else Fate.KNOWN
+        yield Outcome(one.source, fate, None, one.recording)
     lacking = [one for one in batch if one.recording.digest not in known]
     yield from _put(presence.store, lacking, broken, uploader)
 
