@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
+from math import prod
 from typing import Any
 from uuid import UUID
 
+import numpy as np
 from sqlalchemy import ColumnElement, Connection, select
 
 from palpate.store import schema
@@ -27,6 +29,8 @@ from palpate.store.visible_words import seen_refs
 
 __all__ = ["Head", "SeriesInfo", "StoredFile", "head_of", "log_of", "series_of"]
 
+TIME_BYTES = 8
+
 
 @dataclass(frozen=True)
 class SeriesInfo:
@@ -34,6 +38,22 @@ class SeriesInfo:
 
     name: str
     channels: tuple[Mapping[str, Any], ...]
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers its samples and time stamps have, whatever the shape of a sample."""
+        return sum(values + times for values, times, _ in self._counts())
+
+    @property
+    def size_bytes(self) -> int:
+        """How many bytes these take when they are read."""
+        return sum(values * each_bytes + times * TIME_BYTES for values, times, each_bytes in self._counts())
+
+    def _counts(self) -> Iterator[tuple[int, int, int]]:
+        """Numbers of the samples, time stamps, and bytes of a number, of each channel."""
+        for one in self.channels:
+            times = one["count"] if one["timed"] else 0
+            yield one["count"] * prod(one["shape"]), times, np.dtype(one["dtype"]).itemsize
 
 
 @dataclass(frozen=True)

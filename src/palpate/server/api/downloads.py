@@ -54,26 +54,6 @@ class Content(Protocol):
         """Those from one place to another."""
 
 
-class Made:
-    """Bytes that were made for one answer."""
-
-    def __init__(self, data: bytes) -> None:
-        self._data = data
-
-    @property
-    def size(self) -> int:
-        """How many there are."""
-        return len(self._data)
-
-    def beginning(self, count: int) -> bytes:
-        """The first ones."""
-        return self._data[:count]
-
-    def pieces(self, start: int, end: int) -> Iterator[bytes]:
-        """Those from one place to another."""
-        yield self._data[start:end]
-
-
 def safe_type(stated: str, data: bytes) -> str:
     r"""The type to say: the stated one where it may be shown and the bytes begin so.
 
@@ -97,17 +77,13 @@ def stored_download(request: Request, name: str, stated: str, digest: str) -> Re
     is_shown = safe_type(stated, content.beginning(BEGINNING_BYTES)) != NO_TYPE
     # an address that is signed for GET answers nothing else
     if is_shown or is_head(request) or not (state.settings.signed_urls and isinstance(blobs, BucketBlobs)):
-        return _answer(request, content, name, stated, digest)
+        return download(request, content, name, stated, digest)
     url = blobs.signed_url(digest, SIGNED_FOR_S, NO_TYPE, _disposition("attachment", name))
     return Response(None, 307, {"Location": url, "Cache-Control": "no-store"})
 
 
-def download(request: Request, data: bytes, name: str, stated: str, digest: str) -> Response:
-    """Bytes, or the part of them that a header ``Range`` asks for."""
-    return _answer(request, Made(data), name, stated, digest)
-
-
-def _answer(request: Request, content: Content, name: str, stated: str, digest: str) -> Response:
+def download(request: Request, content: Content, name: str, stated: str, digest: str) -> Response:
+    """All of something, or the part of it that a header ``Range`` asks for."""
     kind, size = safe_type(stated, content.beginning(BEGINNING_BYTES)), content.size
     headers = {
         "Content-Disposition": _disposition("inline" if kind != NO_TYPE else "attachment", name),

@@ -9,7 +9,8 @@ from fastapi.responses import HTMLResponse, Response
 
 from palpate.server.api.parameters import Place, SeenRecording, StoreOf
 from palpate.server.api.queries import RecordingQuery
-from palpate.server.api.series import found_series, is_sound
+from palpate.server.api.series import found_series
+from palpate.server.api.sounds import is_sound
 from palpate.server.pages.citing import citation
 from palpate.server.pages.sharing import form_values
 from palpate.server.pages.shown import Dark, figure

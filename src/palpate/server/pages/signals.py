@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from palpate.server.api.downloads import BEGINNING_BYTES, NO_TYPE, safe_type
-from palpate.server.api.series import is_sound
+from palpate.server.api.sounds import is_sound
 from palpate.server.pages.shown import Shown, shown
 from palpate.server.plots.curves import channel_plot
 from palpate.server.plots.no_squeeze import no_squeeze_words

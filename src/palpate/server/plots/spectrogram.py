@@ -25,13 +25,14 @@ def spectrogram(channel: Channel) -> bytes:
     >>> spectrogram(Channel("sound", "sound pressure", "Pa", tone, rate_hz=8000.0))[:4]
     b'\x89PNG'
     """
-    samples = np.nan_to_num(np.asarray(channel.values, dtype=np.float64))
+    samples = np.asarray(channel.values)
     if len(samples) < WINDOW:
         samples = np.pad(samples, (0, WINDOW - len(samples)))
     count = min(COLUMNS, len(samples) // (WINDOW // 4))
     starts = np.linspace(0, len(samples) - WINDOW, count).astype(np.int64)
     # (time, window)
-    pieces = samples[starts[:, np.newaxis] + np.arange(WINDOW)] * np.hanning(WINDOW)
+    windows = samples[starts[:, np.newaxis] + np.arange(WINDOW)].astype(np.float64)
+    pieces = np.nan_to_num(windows) * np.hanning(WINDOW)
     power = np.abs(np.fft.rfft(pieces, axis=1)) ** 2
     loudest = float(power.max()) or 1.0
     level_db = 10 * np.log10(np.maximum(power / loudest, 1e-12))
