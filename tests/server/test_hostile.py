@@ -16,6 +16,7 @@ import pytest
 import zstandard
 from fastapi.testclient import TestClient
 
+from palpate.server import batches, receiving
 from palpate.server.api.downloads import LONGEST_NAME
 from palpate.server.app import application
 from palpate.server.security.accounts import Role, add_user
@@ -107,6 +108,25 @@ def png_of(width: int, height: int) -> bytes:
 
     head = struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", b"") + chunk(b"IEND", b"")
+
+
+def test_what_says_too_much_is_not_read(
+    client: TestClient, store: Store, token: Token, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A recording of very many results is refused before they are read, sent alone or with others."""
+    sent = squeeze(owner="carl")
+    headers = token("carl")
+    monkeypatch.setattr(receiving, "LARGEST_JOURNAL_BYTES", 100)
+    monkeypatch.setattr(batches, "LARGEST_JOURNAL_BYTES", 100)
+    address = f"{API}/recordings/{sent.digest}"
+    alone = client.put(address, content=package(sent), headers=headers)
+    assert alone.status_code == 422
+    assert "bytes when unpacked, expected 100 at most" in alone.json()["detail"]
+    form = {"a": ("a.zip", package(sent))}
+    (became,) = client.post(f"{API}/recordings", files=form, headers=headers).json()["items"]
+    assert became["status"] == 422
+    monkeypatch.undo()
+    assert client.put(address, content=package(sent), headers=headers).status_code == 201
 
 
 def test_a_picture_of_very_many_pixels_is_bytes(client: TestClient, store: Store) -> None:

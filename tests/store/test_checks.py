@@ -82,6 +82,13 @@ REFUSED = [
     ({"entries": (FailedEntry(""),)}, r"entries\[0\].reason: is empty"),
     ({"notices": ("fine", 3)}, r"notices\[1\]: found 3"),
     ({"log": HALF_PAIR}, "log: character 0 is half of a pair"),
+    ({"entries": (Value("mass", 1.0, unit="g"),) * 1001}, "entries: found 1001, expected 1000 at most"),
+    ({"notices": ("odd",) * 1001}, "notices: found 1001, expected 1000 at most"),
+    ({"thing": ThingRef("a", "b", aliases=("c",) * 1001)}, "thing.aliases: found 1001, expected 1000 at most"),
+    ({"log": "." * (1 + (16 << 20))}, "log: found 16777217 letters, expected 16777216 at most"),
+    ({"grasp": {"at": "é" * (1 << 19)}}, "recording: 10[0-9]* bytes of JSON, expected 1048576 at most"),
+    ({"thing": ThingRef("a", "b", attributes={"at": "." * (1 << 20)})}, "thing: 10[0-9]* bytes of JSON"),
+    ({"setup": Setup(arm=Device("arm", "x", calibration={"at": "." * (1 << 20)}))}, "setup: 10[0-9]* bytes of JSON"),
 ]
 
 
@@ -91,6 +98,13 @@ def test_what_cannot_be_kept_is_refused(changes: dict[str, Any], message: str) -
     with pytest.raises(StoreError, match=f"^{message}") as raised:
         check(replace(squeeze(), **changes))
     assert "\n" not in str(raised.value)
+
+
+def test_what_a_store_has_kept_may_be_larger() -> None:
+    """An archive of before is read as it is; a measurement of many results is none too many."""
+    many = replace(squeeze(), entries=(Value("mass", 1.0, unit="g"),) * 1001, grasp={"at": "." * (1 << 20)})
+    check(many, is_new=False)
+    check(replace(squeeze(), entries=(Value("mass", 1.0, unit="g"),) * 1000))
 
 
 def test_known_units_of_properties_are_heeded() -> None:

@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import IO, Any
 
 from palpate.server.problems import FIELD
-from palpate.server.receiving import check_owner, check_parts
+from palpate.server.receiving import LARGEST_JOURNAL_BYTES, check_owner, check_parts
 from palpate.server.security.accounts import Account
 from palpate.server.state import State
 from palpate.store.errors import StoreError
@@ -77,7 +77,12 @@ def _unpacked(package: IO[bytes], folder: Path, state: State) -> Recording:
 
     check_parts(package)
     try:
-        return unpack(package, made, largest_bytes=state.settings.largest_unpacked_bytes)
+        return unpack(
+            package,
+            made,
+            largest_bytes=state.settings.largest_unpacked_bytes,
+            largest_journal_bytes=LARGEST_JOURNAL_BYTES,
+        )
     except (MemoryError, OverflowError):
         raise StoreError("package: holds numbers that are too large") from None
 

@@ -25,6 +25,8 @@ __all__ = ["check_owner", "check_parts", "receive", "spooled"]
 
 IN_MEMORY = 4 << 20
 MOST_PARTS = 10_000
+LARGEST_JOURNAL_BYTES = 8 << 20
+"""A recording of the largest size has less, as the journal has each part of it with some words."""
 """Files in a package."""
 END, END_BYTES = b"PK\x05\x06", 22
 LONGEST_END = END_BYTES + 65_535
@@ -61,7 +63,12 @@ def receive(state: State, who: Account, digest: str, package: IO[bytes]) -> Rece
 
         try:
             check_parts(package)
-            recording = unpack(package, folder, largest_bytes=state.settings.largest_unpacked_bytes)
+            recording = unpack(
+                package,
+                folder,
+                largest_bytes=state.settings.largest_unpacked_bytes,
+                largest_journal_bytes=LARGEST_JOURNAL_BYTES,
+            )
             _check(recording, who, digest)
             return state.store.put(recording, uploader=who.name)
         except UnavailableError:

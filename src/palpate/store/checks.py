@@ -14,6 +14,7 @@ from palpate.store.errors import StoreError
 from palpate.store.quantities import check_quantity
 from palpate.store.records import DEVICE_KINDS, VISIBILITIES, Device, FileItem, Pose, Recording, Setup, ThingRef
 from palpate.store.signals import check_series
+from palpate.store.sizes import check_amounts, check_sizes
 from palpate.store.texts import check_encoding, check_json, check_name, check_number, check_numbers, check_text
 
 __all__ = ["check", "check_embargo", "check_entry", "check_moment", "check_thing", "check_unit"]
@@ -44,14 +45,15 @@ def check(
         The present, to which a recording may be ahead by a minute, as clocks differ.
     is_new
         Whether no store has had it. What one has kept may be older than the dimension of a quantity that everybody
-        knows by now (see `palpate.store.quantities`), and is not held to it.
+        knows by now (see `palpate.store.quantities`) and than the limits of `palpate.store.sizes`, and is not held to
+        them.
 
     Raises
     ------
     StoreError
         Naming the field: an empty name, an unknown unit or one of another dimension, a number that is not finite,
         probabilities that do not sum to one, channels that do not fit together, a time in the future or without a
-        time zone, a file that is not there, a value that JSON cannot hold.
+        time zone, a file that is not there, a value that JSON cannot hold, more than one measurement says.
 
     Examples
     --------
@@ -62,6 +64,8 @@ def check(
     Traceback (most recent call last):
     palpate.store.errors.StoreError: entries[0].value: found nan, expected a finite number
     """
+    if is_new:
+        check_amounts(recording)
     check_moment("recorded_at", recording.recorded_at, now or datetime.now(UTC))
     check_name("action", recording.action)
     check_thing(recording.thing)
@@ -81,6 +85,8 @@ def check(
     check_encoding("log", recording.log)
     for place, notice in enumerate(recording.notices):
         check_text(f"notices[{place}]", notice)
+    if is_new:
+        check_sizes(recording)
 
 
 def check_moment(where: str, moment: datetime, now: datetime) -> None:

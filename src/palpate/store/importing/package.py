@@ -12,7 +12,7 @@ from typing import IO
 from zipfile import ZIP_DEFLATED, BadZipFile, ZipFile
 
 from palpate.store.errors import StoreError
-from palpate.store.importing.folder import write_folder
+from palpate.store.importing.folder import JOURNAL, write_folder
 from palpate.store.importing.kept import Folder, InMemory, Kept
 from palpate.store.importing.reading_folder import read_kept
 from palpate.store.records import Recording
@@ -36,7 +36,13 @@ def pack(recording: Recording, file: IO[bytes]) -> None:
             package.write(path, path.name)
 
 
-def unpack(file: IO[bytes], folder: Callable[[], Path], *, largest_bytes: int = LARGEST_BYTES) -> Recording:
+def unpack(
+    file: IO[bytes],
+    folder: Callable[[], Path],
+    *,
+    largest_bytes: int = LARGEST_BYTES,
+    largest_journal_bytes: int = LARGEST_BYTES,
+) -> Recording:
     """Read a package that anybody may have sent.
 
     Parameters
@@ -44,6 +50,8 @@ def unpack(file: IO[bytes], folder: Callable[[], Path], *, largest_bytes: int = 
     folder
         Gives an empty folder, where the files of a large recording are until they are read; those of a small one are
         in memory, and none is asked for.
+    largest_bytes, largest_journal_bytes
+        Of all that is unpacked, and of what is said of the measurement, which takes long to read.
 
     Raises
     ------
@@ -56,6 +64,9 @@ def unpack(file: IO[bytes], folder: Callable[[], Path], *, largest_bytes: int = 
             if total > largest_bytes:
                 raise StoreError(f"package: {total} bytes when unpacked, expected {largest_bytes} at most")
             for item in package.infolist():
+                if item.filename == JOURNAL and item.file_size > largest_journal_bytes:
+                    told = f"{item.file_size} bytes when unpacked, expected {largest_journal_bytes} at most"
+                    raise StoreError(f"package: {JOURNAL} has {told}")
                 if item.filename in UNNAMED or not FOLDERS.isdisjoint(item.filename):
                     raise StoreError(f"package: the name {item.filename!r} has folders in it, expected plain names")
             kept = _in_memory(package) if total <= IN_MEMORY_BYTES else _in_folder(package, folder())
