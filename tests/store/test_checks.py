@@ -82,6 +82,11 @@ REFUSED = [
     ({"entries": (FailedEntry(""),)}, r"entries\[0\].reason: is empty"),
     ({"notices": ("fine", 3)}, r"notices\[1\]: found 3"),
     ({"log": HALF_PAIR}, "log: character 0 is half of a pair"),
+    (
+        {"entries": (Value("mass", 1.7e308, unit="g"),)},
+        r"entries\[0\].value: found 1.7e\+308, expected a number of which",
+    ),
+    ({"entries": (Bound("volume", -1e200, unit="m^3"),)}, r"entries\[0\].above: found -1e\+200"),
     ({"entries": (Value("mass", 1.0, unit="g"),) * 1001}, "entries: found 1001, expected 1000 at most"),
     ({"notices": ("odd",) * 1001}, "notices: found 1001, expected 1000 at most"),
     ({"thing": ThingRef("a", "b", aliases=("c",) * 1001)}, "thing.aliases: found 1001, expected 1000 at most"),

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Collection, Mapping, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import sqrt
@@ -12,15 +12,17 @@ from statistics import fmean, stdev
 from scipy.special import stdtrit
 
 from palpate.network.units import unit_of
-from palpate.store.censored_results import censored_of_property
+from palpate.store.censored_results import Censored, censored_of
 from palpate.store.entries import Value
 from palpate.store.store import Store
+from palpate.store.texts import LARGEST_SI
 from palpate.store.things import Thing
 from palpate.store.viewing import Viewer
-from palpate.store.visible_results import Group, groups_of_property
+from palpate.store.visible_results import Group, groups_of
 from palpate.store.visible_things import things_by_name
+from palpate.store.visible_truths import properties_with_truth
 
-__all__ = ["Agreement", "Cell", "DeviceError", "Difference", "agreements", "interval"]
+__all__ = ["Agreement", "Cell", "DeviceError", "Difference", "agreements", "agreements_with_truth", "interval"]
 
 ThingKey = tuple[str, str]
 MOST_CENSORED = 0.1
@@ -179,18 +181,43 @@ def _sd(values: Sequence[float]) -> float | None:
 
 def agreements(store: Store, viewer: Viewer, property: str) -> Agreement:
     """Compare all that measured a property; results that are known to be true are the measure, and not compared."""
-    unit, groups = groups_of_property(store, viewer, property)
+    return all_agreements(store, viewer, [property])[0]
+
+
+def agreements_with_truth(store: Store, viewer: Viewer) -> list[Agreement]:
+    """As `agreements`, of each property of which something is known, by name."""
+    return all_agreements(store, viewer, properties_with_truth(store, viewer))
+
+
+def all_agreements(store: Store, viewer: Viewer, properties: Collection[str]) -> list[Agreement]:
+    """As `agreements`, of several properties by a few questions for all of them."""
+    groups, censored = groups_of(store, viewer, properties), censored_of(store, viewer, properties)
+    keys = {(one.dataset, one.thing) for _, own in groups.values() for one in own}
+    keys |= {key for counts in censored.values() for _, key in counts}
+    things = things_by_name(store, viewer, keys)
+    said: dict[str, dict[ThingKey, float]] = defaultdict(dict)
+    for key, thing in things.items():
+        for name, value in _said(thing, {name: unit for name, (unit, _) in groups.items()}):
+            said[name].setdefault(key, value)
+    return [
+        _agreement(name, unit, own, censored.get(name, Counter()), said[name]) for name, (unit, own) in groups.items()
+    ]
+
+
+def _agreement(
+    property: str, unit: str, groups: Sequence[Group], censored: Censored, said: Mapping[ThingKey, float]
+) -> Agreement:
     measured: dict[tuple[str, ThingKey], list[Group]] = defaultdict(list)
     for one in groups:
         if not one.ground_truth:
             measured[one.measured_by, (one.dataset, one.thing)].append(one)
-    censored = censored_of_property(store, viewer, property)
-    keys = {(one.dataset, one.thing) for one in groups} | {key for _, key in censored}
-    known = _truths(store, viewer, property, unit, groups, keys)
+    known = _truths(groups, said)
     names = sorted({*measured, *censored})
     cells = tuple(_cell(*one, measured[one], censored[one], known.get(one[1])) for one in names)
-    devices = tuple(_errors(name, cells) for name in sorted({cell.device for cell in cells}))
-    return Agreement(property, unit, cells, devices)
+    of_device: dict[str, list[Cell]] = defaultdict(list)
+    for cell in cells:
+        of_device[cell.device].append(cell)
+    return Agreement(property, unit, cells, tuple(_errors(name, own) for name, own in of_device.items()))
 
 
 def _cell(device: str, key: ThingKey, groups: Sequence[Group], censored: int, truth: float | None) -> Cell:
@@ -207,8 +234,7 @@ def _together(groups: Sequence[Group]) -> tuple[int, float]:
     return count, sum(one.count * one.mean for one in groups) / count
 
 
-def _errors(device: str, cells: Sequence[Cell]) -> DeviceError:
-    own = [cell for cell in cells if cell.device == device]
+def _errors(device: str, own: Sequence[Cell]) -> DeviceError:
     errors = [cell.error for cell in own if cell.error is not None]
     bias = fmean(errors) if errors else None
     rms = sqrt(fmean(error**2 for error in errors)) if errors else None
@@ -218,25 +244,20 @@ def _errors(device: str, cells: Sequence[Cell]) -> DeviceError:
     return DeviceError(device, *counts, bias, _sd(errors), rms, interval(errors))
 
 
-def _truths(
-    store: Store, viewer: Viewer, property: str, unit: str, groups: Sequence[Group], keys: Collection[ThingKey]
-) -> Mapping[ThingKey, float]:
+def _truths(groups: Sequence[Group], said: Mapping[ThingKey, float]) -> Mapping[ThingKey, float]:
     """The true value of each object: what is said of it first, else the mean of recordings that are ground truth."""
     true: dict[ThingKey, list[Group]] = defaultdict(list)
     for one in groups:
         if one.ground_truth:
             true[one.dataset, one.thing].append(one)
-    found = {key: _together(own)[1] for key, own in true.items()}
-    for key, thing in things_by_name(store, viewer, keys).items():
-        said = _said(thing, property, unit)
-        if said is not None:
-            found[key] = said
-    return found
+    return {**{key: _together(own)[1] for key, own in true.items()}, **said}
 
 
-def _said(thing: Thing, property: str, unit: str) -> float | None:
+def _said(thing: Thing, units: Mapping[str, str]) -> Iterator[tuple[str, float]]:
+    """Property and value, in the property's unit, of each number that is said of an object; the first one counts."""
     for one in thing.known:
         entry = one.entry
-        if isinstance(entry, Value) and entry.property == property and entry.unit is not None:
-            return entry.value * unit_of(entry.unit).factor / unit_of(unit).factor
-    return None
+        if isinstance(entry, Value) and entry.unit is not None and units.get(entry.property):
+            factor = unit_of(entry.unit).factor
+            if abs(entry.value * factor) <= LARGEST_SI:
+                yield entry.property, entry.value * factor / unit_of(units[entry.property]).factor

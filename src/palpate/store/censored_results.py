@@ -2,40 +2,49 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
+from collections.abc import Collection, Mapping
 
 from sqlalchemy import false, func, select
 
 from palpate.store import schema
 from palpate.store.fetching import setup_of
+from palpate.store.inserting import CHUNK
 from palpate.store.legible import reading
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
 from palpate.store.visible_results import measured_by
 
-__all__ = ["censored_of_property"]
+__all__ = ["Censored", "censored_of"]
 
 
-def censored_of_property(store: Store, viewer: Viewer, property: str) -> Counter[tuple[str, tuple[str, str]]]:
-    """How many there are of a property, by what measured them and the object, as data set and name.
+Censored = Counter[tuple[str, tuple[str, str]]]
+"""How many results there are, by what measured them and the object, as data set and name."""
+
+
+def censored_of(store: Store, viewer: Viewer, properties: Collection[str]) -> Mapping[str, Censored]:
+    """How many there are of each of these properties.
 
     Without those that are known to be true. What was measured of objects merged into another one counts as that one's.
     """
     entries, recordings, setups, things = schema.entries.c, schema.recordings, schema.setups, schema.things
     own, head = things.alias("own"), things.alias("head")
+    keys = (entries.property, setups.c.digest, setups.c.document, head.c.dataset, head.c.name)
     asked = (
-        select(setups.c.digest, setups.c.document, head.c.dataset, head.c.name, func.count().label("number"))
+        select(*keys, func.count().label("number"))
         .join_from(schema.entries, recordings, recordings.c.id == entries.recording_id)
         .join(setups, setups.c.id == entries.setup_id)
         .join(own, own.c.id == entries.thing_id)
         .join(head, head.c.id == func.coalesce(own.c.merged_into, own.c.id))
         # without a unit there is no telling what a number is
-        .where(entries.property == property, entries.kind.in_(("bound", "interval")), entries.unit.is_not(None))
+        .where(entries.kind.in_(("bound", "interval")), entries.unit.is_not(None))
         .where(recordings.c.ground_truth.is_(false()), viewer.of(recordings))
-        .group_by(setups.c.digest, setups.c.document, head.c.dataset, head.c.name)
+        .group_by(*keys)
     )
-    found: Counter[tuple[str, tuple[str, str]]] = Counter()
+    names, found = list(properties), defaultdict[str, Censored](Counter)
     with reading(store.engine) as connection:
-        for row in connection.execute(asked):
-            found[measured_by(setup_of(row.digest, row.document)), (row.dataset, row.name)] += row.number
+        for part in (names[start : start + CHUNK] for start in range(0, len(names), CHUNK)):
+            for row in connection.execute(asked.where(entries.property.in_(part))):
+                device = measured_by(setup_of(row.digest, row.document))
+                found[row.property][device, (row.dataset, row.name)] += row.number
     return found

@@ -15,7 +15,15 @@ from palpate.store.quantities import check_quantity
 from palpate.store.records import DEVICE_KINDS, VISIBILITIES, Device, FileItem, Pose, Recording, Setup, ThingRef
 from palpate.store.signals import check_series
 from palpate.store.sizes import check_amounts, check_sizes
-from palpate.store.texts import check_encoding, check_json, check_name, check_number, check_numbers, check_text
+from palpate.store.texts import (
+    LARGEST_SI,
+    check_encoding,
+    check_json,
+    check_name,
+    check_number,
+    check_numbers,
+    check_text,
+)
 
 __all__ = ["check", "check_embargo", "check_entry", "check_moment", "check_thing", "check_unit"]
 
@@ -191,6 +199,17 @@ def check_entry(where: str, entry: Entry, units: Mapping[str, str | None], *, is
     check_unit(f"{where}.unit", entry.unit, units.get(entry.property))
     if is_new:
         check_quantity(f"{where}.unit", entry.unit, entry.property)
+        _check_magnitudes(where, entry)
+
+
+def _check_magnitudes(where: str, entry: Value | Interval | Bound) -> None:
+    """Refuse what no measurement gives, and of which not even the square is a number."""
+    scale = 1.0 if entry.unit is None else unit_of(entry.unit).factor
+    for name in (*NEEDED, *OPTIONAL):
+        value = getattr(entry, name, None)
+        if value is not None and abs(float(value) * scale) > LARGEST_SI:
+            told = f"expected a number of which the amount in SI units is {LARGEST_SI:g} at most"
+            raise StoreError(f"{where}.{name}: found {value}, {told}")
 
 
 def _check_order(where: str, entry: Value | Interval | Bound) -> None:

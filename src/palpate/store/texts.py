@@ -10,6 +10,8 @@ from palpate.store.errors import StoreError
 __all__ = ["check_encoding", "check_json", "check_name", "check_number", "check_numbers", "check_text"]
 
 DEEPEST = 100
+LARGEST_SI = 1e100
+"""No physical measurement is larger in SI units; squares and sums of such numbers are numbers too."""
 
 
 def check_numbers(where: str, numbers: Sequence[float], count: int) -> None:

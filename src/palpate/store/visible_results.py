@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
@@ -9,19 +10,21 @@ from functools import lru_cache
 from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Connection, Select, and_, func, select
+from sqlalchemy import ColumnElement, Connection, Select, and_, func, select
 
 from palpate.network.units import unit_of
 from palpate.store import schema
 from palpate.store.fetching import setup_of
+from palpate.store.inserting import CHUNK
 from palpate.store.legible import reading
 from palpate.store.records import Setup, ThingRef
 from palpate.store.rows import EPOCH
 from palpate.store.store import Store
+from palpate.store.texts import LARGEST_SI
 from palpate.store.viewing import Viewer
 from palpate.store.visible_things import rows_of
 
-__all__ = ["Group", "Result", "groups_of_property", "measured_by", "results_of"]
+__all__ = ["Group", "Result", "groups_of", "is_measurable", "measured_by", "results_of"]
 
 
 @dataclass(frozen=True)
@@ -79,54 +82,63 @@ class Group:
     squares: float
 
 
-def groups_of_property(store: Store, viewer: Viewer, property: str) -> tuple[str, tuple[Group, ...]]:
-    """The unit of a property, and its values by object, setup, and whether they are known to be true.
+def groups_of(store: Store, viewer: Viewer, properties: Collection[str]) -> Mapping[str, tuple[str, tuple[Group, ...]]]:
+    """The unit of each of these properties, and its values by object, setup, and whether they are known to be true.
 
     What was measured of objects merged into another one counts as that one's.
     """
     setups, things = schema.setups, schema.things
-    groups = _groups(viewer, property).subquery()
-    asked = (
-        select(groups, setups.c.digest, setups.c.document, things.c.dataset, things.c.name)
-        .join(setups, setups.c.id == groups.c.setup_id)
-        .join(things, things.c.id == groups.c.head)
-    )
+    names, found = list(properties), defaultdict[str, list[Group]](list)
     with reading(store.engine) as connection:
-        unit = connection.scalar(select(schema.properties.c.unit).where(schema.properties.c.name == property)) or ""
-        rows = connection.execute(asked).all()
-        scale = unit_of(unit).factor if rows else 1.0
-        return unit, tuple(
-            Group(
-                dataset=row.dataset,
-                thing=row.name,
-                measured_by=measured_by(setup_of(row.digest, row.document)),
-                ground_truth=bool(row.ground_truth),
-                count=row.number,
-                mean=row.mean / scale,
-                squares=row.squares / scale**2,
+        every = connection.execute(select(schema.properties.c.name, schema.properties.c.unit))
+        units = {name: unit for name, unit in every if name in properties}
+        for part in (names[start : start + CHUNK] for start in range(0, len(names), CHUNK)):
+            groups = _groups(viewer, part).subquery()
+            asked = (
+                select(groups, setups.c.digest, setups.c.document, things.c.dataset, things.c.name)
+                .join(setups, setups.c.id == groups.c.setup_id)
+                .join(things, things.c.id == groups.c.head)
             )
-            for row in rows
-        )
+            for row in connection.execute(asked):
+                found[row.property].append(_group(row, unit_of(units[row.property]).factor))
+    return {name: (units.get(name) or "", tuple(found[name])) for name in names}
 
 
-def _groups(viewer: Viewer, property: str) -> Select[*tuple[Any, ...]]:
-    """Head, setup, truth, count, mean and squares; the mean first, so that no digits are lost in the squares."""
+def _group(row: Any, scale: float) -> Group:
+    return Group(
+        dataset=row.dataset,
+        thing=row.name,
+        measured_by=measured_by(setup_of(row.digest, row.document)),
+        ground_truth=bool(row.ground_truth),
+        count=row.number,
+        mean=row.mean / scale,
+        squares=row.squares / scale**2,
+    )
+
+
+def _groups(viewer: Viewer, properties: Collection[str]) -> Select[*tuple[Any, ...]]:
+    """Property, head, setup, truth, count, mean and squares; the mean first, so that no digits are lost in squares."""
     entries, recordings, things = schema.entries.c, schema.recordings, schema.things
     head = func.coalesce(things.c.merged_into, things.c.id)
     values = (
-        select(head.label("head"), entries.setup_id, recordings.c.ground_truth, entries.value_si)
+        select(entries.property, head.label("head"), entries.setup_id, recordings.c.ground_truth, entries.value_si)
         .join(recordings, recordings.c.id == entries.recording_id)
         .join(things, things.c.id == entries.thing_id)
-        .where(entries.property == property, entries.value_si.is_not(None), viewer.of(recordings))
+        .where(entries.property.in_(properties), is_measurable(entries.value_si), viewer.of(recordings))
         .cte("measured")
     )
-    keys = (values.c.head, values.c.setup_id, values.c.ground_truth)
+    keys = (values.c.property, values.c.head, values.c.setup_id, values.c.ground_truth)
     means = select(*keys, func.count().label("number"), func.avg(values.c.value_si).label("mean")).group_by(*keys)
     found = means.cte("means")
     off = values.c.value_si - found.c.mean
     columns = (*(found.c[key.name] for key in keys), found.c.number, found.c.mean)
     same = and_(*(key == found.c[key.name] for key in keys))
     return select(*columns, func.sum(off * off).label("squares")).join(values, same).group_by(*columns)
+
+
+def is_measurable(value_si: ColumnElement[Any]) -> ColumnElement[bool]:
+    """The condition that a number is there and such as a measurement gives, so that its square is a number too."""
+    return and_(value_si.is_not(None), value_si.between(-LARGEST_SI, LARGEST_SI))
 
 
 def _results(connection: Connection, viewer: Viewer, things: Mapping[int, tuple[str, str]]) -> Iterator[Result]:
@@ -151,7 +163,7 @@ def _results(connection: Connection, viewer: Viewer, things: Mapping[int, tuple[
             continue
         unit_told = units.get(property or "")
         scale = scale_of(unit, unit_told)
-        value, sd, low, high = (None if scale is None or one is None else one * scale for one in values)
+        value, sd, low, high = (_told(one, scale) for one in values)
         yield Result(
             recording=UUID(bytes=uuid),
             recorded_at=EPOCH + timedelta(microseconds=at_us),
@@ -169,6 +181,12 @@ def _results(connection: Connection, viewer: Viewer, things: Mapping[int, tuple[
             label=label,
             measured_by=named[setup],
         )
+
+
+def _told(value: float | None, scale: float | None) -> float | None:
+    """A number in another unit; None where there is none, or one that no measurement gives, as for `is_measurable`."""
+    told = None if scale is None or value is None else value * scale
+    return None if told is None or abs(told) > LARGEST_SI else told
 
 
 def _scale(unit: str | None, told: str | None) -> float | None:

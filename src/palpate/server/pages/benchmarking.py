@@ -13,12 +13,11 @@ from fastapi.responses import HTMLResponse, JSONResponse, Response
 
 from palpate.server.api.parameters import StoreOf
 from palpate.server.api.series import cell_text
-from palpate.server.benchmark import DeviceError, agreements
+from palpate.server.benchmark import DeviceError, agreements_with_truth
 from palpate.server.pages.templates import page
 from palpate.server.security.who import Who
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
-from palpate.store.visible_setups import seen_properties
 
 __all__ = ["errors_of", "router"]
 
@@ -42,10 +41,8 @@ COLUMNS = (
 
 def errors_of(store: Store, viewer: Viewer) -> Iterator[tuple[str, str, DeviceError]]:
     """Property, unit, and the error of a device in it, of all that somebody may see and of which a truth is known."""
-    for one in seen_properties(store, viewer):
-        if one.unit is not None:
-            found = agreements(store, viewer, one.name)
-            yield from ((one.name, found.unit, error) for error in found.devices if error.known or error.left_out)
+    for found in agreements_with_truth(store, viewer):
+        yield from ((found.property, found.unit, error) for error in found.devices if error.known or error.left_out)
 
 
 @router.get("")

@@ -11,7 +11,7 @@ from fastapi.responses import HTMLResponse, Response
 
 from palpate.server.api.parameters import StoreOf
 from palpate.server.api.queries import Text
-from palpate.server.benchmark import DeviceError, agreements
+from palpate.server.benchmark import DeviceError, agreements, agreements_with_truth
 from palpate.server.pages.shown import Dark, Shown, figure, shown
 from palpate.server.pages.templates import page, search
 from palpate.server.plots.errors import errors_plot
@@ -20,11 +20,13 @@ from palpate.server.security.who import Who
 from palpate.store.listing import list_recordings
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer, VisibleFilter
-from palpate.store.visible_setups import SeenDevice, seen_devices, seen_properties, seen_setups
+from palpate.store.visible_setups import SeenDevice, seen_devices, seen_setups
 
 __all__ = ["router"]
 
 router = APIRouter()
+MOST_PLOTS = 20
+"""Properties of which the errors are drawn; those of the others are in the table."""
 Digest = Annotated[str, Path(pattern="^[0-9a-f]{64}$")]
 
 
@@ -81,12 +83,11 @@ def _device(store: Store, viewer: Viewer, digest: str) -> tuple[SeenDevice, list
 
 def _errors(store: Store, viewer: Viewer, found: SeenDevice) -> Iterator[Errors]:
     """In each property of which a true value is known; by the name, so that all calibrations count."""
-    for one in seen_properties(store, viewer):
-        if one.unit is None:
-            continue
-        compared = agreements(store, viewer, one.name)
+    drawn = 0
+    for compared in agreements_with_truth(store, viewer):
         for error in compared.devices:
             if error.device == found.device.name and (error.known or error.left_out):
-                address = search(f"/devices/{found.digest}/errors.json", property=one.name)
-                plot = shown(errors_plot(compared, error.device), address)
-                yield Errors(one.name, compared.unit, error, plot)
+                address = search(f"/devices/{found.digest}/errors.json", property=compared.property)
+                plot = shown(errors_plot(compared, error.device), address) if drawn < MOST_PLOTS else None
+                drawn += plot is not None
+                yield Errors(compared.property, compared.unit, error, plot)

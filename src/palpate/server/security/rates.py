@@ -10,7 +10,7 @@ from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from palpate.server.problems import Problem, problem_response
-from palpate.server.security.addresses import address_of
+from palpate.server.security.addresses import network_of
 
 __all__ = ["Rate", "RateLimit"]
 
@@ -73,7 +73,7 @@ class Rate:
 
 
 class RateLimit:
-    """Refuses what an address asks too often; each worker counts for itself."""
+    """Refuses what an address, of IPv6 a network, asks too often; each worker counts for itself."""
 
     def __init__(self, app: ASGIApp, *, rate: Rate) -> None:
         self.app = app
@@ -81,7 +81,7 @@ class RateLimit:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request."""
-        wait_s = self.rate.wait_s(address_of(HTTPConnection(scope))) if scope["type"] == "http" else 0.0
+        wait_s = self.rate.wait_s(network_of(HTTPConnection(scope))) if scope["type"] == "http" else 0.0
         if wait_s == 0.0:
             await self.app(scope, receive, send)
             return
