@@ -64,6 +64,21 @@ def test_no_peak_is_lost_and_a_gap_is_a_gap() -> None:
     assert [len(line) for line in drawn_y(Channel("force", "force", "N", values))] == [2, 2]
 
 
+@pytest.mark.parametrize("share", [0.01, 0.5])
+def test_samples_missing_here_and_there_do_not_empty_a_plot(share: float) -> None:
+    """Of 100,000 positive samples some are missing: the line has no gap but where a whole stretch is missing."""
+    values = 5 + np.sin(np.arange(100_000) / 5_000)
+    values[np.random.default_rng(0).random(values.size) < share] = np.nan
+    values[60_000:70_000] = np.nan
+    lines = drawn_y(Channel("force", "force", "N", values, rate_hz=1e4))
+    assert [len(line) for line in lines] == [600, 300]
+    plot = channel_plot(Channel("force", "force", "N", values, rate_hz=1e4))
+    assert plot is not None
+    (source,) = columns(figure_json(plot, dark=False))
+    missing = np.isnan(source["y"])
+    assert np.flatnonzero(missing).tolist() == list(range(6_000, 7_000))
+
+
 @pytest.mark.parametrize(
     "values",
     [

@@ -115,17 +115,22 @@ def _ends(values: Numbers) -> tuple[float, ...]:
 def thinned(x: Numbers, y: Numbers, stretches: int) -> tuple[Numbers, Numbers]:
     """Of very many samples the least and the greatest of each stretch, so that no peak is lost.
 
+    Samples that are missing are passed over; where a whole stretch is missing, there is a gap.
+
     Examples
     --------
     >>> x, y = np.arange(900.0), np.zeros(900)
-    >>> y[123] = 7
+    >>> y[123], y[::9] = 7, np.nan
     >>> len(thinned(x, y, 10)[0]), thinned(x, y, 10)[1].max()
     (20, np.float64(7.0))
     """
     if len(y) <= 2 * stretches:
         return x, y
+    there = np.isfinite(x) & np.isfinite(y)
+    # of a stretch that is missing these are its first sample, which is missing too
+    low, high = (np.array_split(np.where(there, y, other), stretches) for other in (np.inf, -np.inf))
     places, start = [], 0
-    for part in np.array_split(np.where(np.isfinite(y), y, 0.0), stretches):
-        places += sorted((start + int(part.argmin()), start + int(part.argmax())))
-        start += len(part)
+    for lows, highs in zip(low, high, strict=True):
+        places += sorted((start + int(lows.argmin()), start + int(highs.argmax())))
+        start += len(lows)
     return x[places], y[places]
