@@ -13,6 +13,7 @@ from palpate.store.merging import merge_things
 from palpate.store.records import Device, Recording, Setup, ThingRef
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
+from palpate.store.visible_results import results_of
 from tests.store.made_up import squeeze
 
 CUP, BOWL, COPY = (ThingRef("lab", name) for name in ("cup", "bowl", "copy"))
@@ -161,3 +162,22 @@ def test_the_benchmark_is_downloaded_as_it_is_shown(client: TestClient, store: S
 
 
 NUMBERS = ("objects", "values", "bounds_only", "known", "left_out", "bias", "sd", "rms", "low", "high")
+
+
+def test_results_known_to_be_in_a_wrong_unit_are_neither_drawn_nor_counted(client: TestClient, store: Store) -> None:
+    """Nine values in kPa and one of each kind in g: no value is 5e-05 kPa, and no bound takes the device out."""
+    stiff = {"action": "squeezing", "entries": (Value("stiffness", 50.0, unit="kPa"),)}
+    store.put_many([weighed(number, CUP, "left", 0.0, **stiff) for number in range(1, 10)])
+    odd = (
+        Value("stiffness", 50.0, 1.0, "g"),
+        Bound("stiffness", above=3.0, unit="g"),
+        Interval("stiffness", 1, 2, "g"),
+    )
+    wrong = [weighed(20 + place, CUP, "left", 0.0, entries=(entry,)) for place, entry in enumerate(odd)]
+    store.put_many(wrong, known_wrong=[one.digest for one in wrong])
+    change_thing(store, CUP, lambda thing: thing.knowing(Value("stiffness", 40.0, unit="kPa"), "a scale"))
+    results = [one for one in results_of(store, Viewer(), CUP) if one.recording in {one.id for one in wrong}]
+    assert [(one.value, one.sd, one.low, one.high, one.unit) for one in results] == [(None,) * 5] * 3
+    (left,) = agreements(store, Viewer(), "stiffness").devices
+    assert (left.values, left.censored, left.known, left.bias) == (9, 0, 1, pytest.approx(10.0))
+    assert "5e-05" not in client.get("/objects/lab/cup").text

@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping
 
 from sqlalchemy import false, func, select
 
+from palpate.network.units import unit_of
 from palpate.store import schema
 from palpate.store.fetching import setup_of
 from palpate.store.inserting import CHUNK
@@ -25,11 +26,13 @@ Censored = Counter[tuple[str, tuple[str, str]]]
 def censored_of(store: Store, viewer: Viewer, properties: Collection[str]) -> Mapping[str, Censored]:
     """How many there are of each of these properties.
 
-    Without those that are known to be true. What was measured of objects merged into another one counts as that one's.
+    Without those that are known to be true, and without numbers whose unit is not stated or is of another dimension
+    than the property's, which do not count (see `palpate.store.units`). What was measured of objects merged into
+    another one counts as that one's.
     """
     entries, recordings, setups, things = schema.entries.c, schema.recordings, schema.setups, schema.things
     own, head = things.alias("own"), things.alias("head")
-    keys = (entries.property, setups.c.digest, setups.c.document, head.c.dataset, head.c.name)
+    keys = (entries.property, entries.unit, setups.c.digest, setups.c.document, head.c.dataset, head.c.name)
     asked = (
         select(*keys, func.count().label("number"))
         .join_from(schema.entries, recordings, recordings.c.id == entries.recording_id)
@@ -43,8 +46,11 @@ def censored_of(store: Store, viewer: Viewer, properties: Collection[str]) -> Ma
     )
     names, found = list(properties), defaultdict[str, Censored](Counter)
     with reading(store.engine) as connection:
+        units = dict(connection.execute(select(schema.properties.c.name, schema.properties.c.unit)).tuples().all())
         for part in (names[start : start + CHUNK] for start in range(0, len(names), CHUNK)):
             for row in connection.execute(asked.where(entries.property.in_(part))):
-                device = measured_by(setup_of(row.digest, row.document))
-                found[row.property][device, (row.dataset, row.name)] += row.number
+                told = units.get(row.property)
+                if told is not None and unit_of(row.unit).dimension == unit_of(told).dimension:
+                    device = measured_by(setup_of(row.digest, row.document))
+                    found[row.property][device, (row.dataset, row.name)] += row.number
     return found

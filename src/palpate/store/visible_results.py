@@ -34,7 +34,7 @@ class Result:
     Attributes
     ----------
     value, sd, unit
-        In the unit that the property was first given in; None where it is no number with a unit.
+        In the unit that the property was first given in; None where it is no number with a unit of that dimension.
     low, high
         Ends of an interval or a bound, likewise.
     label
@@ -190,8 +190,12 @@ def _told(value: float | None, scale: float | None) -> float | None:
 
 
 def _scale(unit: str | None, told: str | None) -> float | None:
-    """By what numbers are multiplied to be told in another unit; None where one of both is not known."""
-    return None if unit is None or told is None else unit_of(unit).factor / unit_of(told).factor
+    """By what numbers are multiplied to be told in another unit; None where that cannot be done."""
+    if unit is None or told is None:
+        return None
+    own, other = unit_of(unit), unit_of(told)
+    # what is known to be wrong is kept in the unit in which it was given
+    return own.factor / other.factor if own.dimension == other.dimension else None
 
 
 def _heads(connection: Connection, thing: ThingRef) -> dict[int, tuple[str, str]]:
