@@ -179,5 +179,32 @@ def test_results_known_to_be_in_a_wrong_unit_are_neither_drawn_nor_counted(clien
     results = [one for one in results_of(store, Viewer(), CUP) if one.recording in {one.id for one in wrong}]
     assert [(one.value, one.sd, one.low, one.high, one.unit) for one in results] == [(None,) * 5] * 3
     (left,) = agreements(store, Viewer(), "stiffness").devices
-    assert (left.values, left.censored, left.known, left.bias) == (9, 0, 1, pytest.approx(10.0))
+    assert (left.values, left.censored, left.known) == (9, 0, 1)
+    assert left.bias == pytest.approx(10.0)
     assert "5e-05" not in client.get("/objects/lab/cup").text
+
+
+def test_what_is_known_of_an_object_counts_after_it_is_merged(client: TestClient, store: Store) -> None:
+    """90 g said of the copy are the truth of the cup that it counts as, until somebody says it of the cup itself."""
+    store.put_many([weighed(1, COPY, "left", 100.0), weighed(2, CUP, "left", 102.0)])
+    change_thing(store, COPY, lambda thing: thing.knowing(Value("mass", 90.0, unit="g"), "our scale"))
+    assert agreements(store, Viewer(), "mass").devices[0].bias == pytest.approx(10.0)
+    merge_things(store, COPY, CUP)
+    assert agreements(store, Viewer(), "mass").devices[0].bias == pytest.approx(11.0)
+    page = client.get("/objects/lab/cup").text
+    assert "our scale" in page
+    assert "true: 90" in page
+    change_thing(store, CUP, lambda thing: thing.knowing(Value("mass", 91.0, unit="g"), "another scale"))
+    assert agreements(store, Viewer(), "mass").devices[0].bias == pytest.approx(10.0)
+    assert "our scale" not in client.get("/objects/lab/cup").text
+
+
+def test_what_is_known_of_an_object_that_is_not_seen_is_told_to_nobody(client: TestClient, store: Store) -> None:
+    """The copy is private: its truth, and where it is from, are its owner's only."""
+    own = {"visibility": "private", "owner": "ann"}
+    store.put_many([weighed(1, COPY, "left", 100.0, **own), weighed(2, CUP, "left", 102.0)])
+    change_thing(store, COPY, lambda thing: thing.knowing(Value("mass", 90.0, unit="g"), "our scale"))
+    merge_things(store, COPY, CUP)
+    assert agreements(store, Viewer(), "mass").devices[0].bias is None
+    assert agreements(store, Viewer("ann"), "mass").devices[0].bias == pytest.approx(11.0)
+    assert "our scale" not in client.get("/objects/lab/cup").text

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import sqrt
@@ -16,8 +16,9 @@ from palpate.store.censored_results import Censored, censored_of
 from palpate.store.entries import Value
 from palpate.store.store import Store
 from palpate.store.texts import LARGEST_SI
-from palpate.store.things import Thing
+from palpate.store.things import Known
 from palpate.store.viewing import Viewer
+from palpate.store.visible_known import known_of_merged
 from palpate.store.visible_results import Group, groups_of
 from palpate.store.visible_things import things_by_name
 from palpate.store.visible_truths import properties_with_truth
@@ -195,9 +196,11 @@ def all_agreements(store: Store, viewer: Viewer, properties: Collection[str]) ->
     keys = {(one.dataset, one.thing) for _, own in groups.values() for one in own}
     keys |= {key for counts in censored.values() for _, key in counts}
     things = things_by_name(store, viewer, keys)
+    merged = known_of_merged(store, viewer, keys)
+    units = {name: unit for name, (unit, _) in groups.items()}
     said: dict[str, dict[ThingKey, float]] = defaultdict(dict)
     for key, thing in things.items():
-        for name, value in _said(thing, {name: unit for name, (unit, _) in groups.items()}):
+        for name, value in _said((*thing.known, *merged.get(key, ())), units):
             said[name].setdefault(key, value)
     return [
         _agreement(name, unit, own, censored.get(name, Counter()), said[name]) for name, (unit, own) in groups.items()
@@ -245,7 +248,7 @@ def _errors(device: str, own: Sequence[Cell]) -> DeviceError:
 
 
 def _truths(groups: Sequence[Group], said: Mapping[ThingKey, float]) -> Mapping[ThingKey, float]:
-    """The true value of each object: what is said of it first, else the mean of recordings that are ground truth."""
+    """The true value of each object: what is said of it, of what counts as it, or the mean of true recordings."""
     true: dict[ThingKey, list[Group]] = defaultdict(list)
     for one in groups:
         if one.ground_truth:
@@ -253,9 +256,9 @@ def _truths(groups: Sequence[Group], said: Mapping[ThingKey, float]) -> Mapping[
     return {**{key: _together(own)[1] for key, own in true.items()}, **said}
 
 
-def _said(thing: Thing, units: Mapping[str, str]) -> Iterator[tuple[str, float]]:
+def _said(known: Iterable[Known], units: Mapping[str, str]) -> Iterator[tuple[str, float]]:
     """Property and value, in the property's unit, of each number that is said of an object; the first one counts."""
-    for one in thing.known:
+    for one in known:
         entry = one.entry
         if isinstance(entry, Value) and entry.unit is not None and units.get(entry.property):
             factor = unit_of(entry.unit).factor

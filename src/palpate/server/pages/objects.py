@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 from urllib.parse import urlencode
 
@@ -33,6 +33,7 @@ from palpate.store.rows import most_probable
 from palpate.store.store import Store
 from palpate.store.things import Thing
 from palpate.store.viewing import Viewer, VisibleFilter
+from palpate.store.visible_known import known_of_merged
 from palpate.store.visible_results import Result, results_of
 from palpate.store.visible_setups import seen_grippers, seen_properties
 from palpate.store.visible_things import list_visible_things
@@ -83,6 +84,7 @@ class Believed:
 @router.get("/{dataset}/{name}")
 def one(request: Request, store: StoreOf, who: Who, thing: SeenThing) -> HTMLResponse:
     """All that was measured of an object."""
+    thing = _as_counted(store, who.viewer, thing)
     results = results_of(store, who.viewer, thing.ref)
     names = dict.fromkeys(result.property for result in results if result.property is not None)
     return page(
@@ -98,6 +100,13 @@ def one(request: Request, store: StoreOf, who: Who, thing: SeenThing) -> HTMLRes
     )
 
 
+def _as_counted(store: Store, viewer: Viewer, thing: Thing) -> Thing:
+    """An object with what is known of those that count as it, where nothing is said of it."""
+    name, own = (thing.ref.dataset, thing.ref.id), {one.entry.property for one in thing.known}
+    more = known_of_merged(store, viewer, [name]).get(name, ())
+    return replace(thing, known=(*thing.known, *(one for one in more if one.entry.property not in own)))
+
+
 def _proposals(store: Store, viewer: Viewer, thing: Thing) -> list[Head]:
     """Grasps that somebody proposes for an object, the last ones."""
     wanted = VisibleFilter(thing=thing.path, action=PROPOSAL, viewer=viewer)
@@ -109,13 +118,14 @@ def _proposals(store: Store, viewer: Viewer, thing: Thing) -> list[Head]:
 def points(store: StoreOf, who: Who, thing: SeenThing, property: Text, dark: Dark = False) -> Response:
     """The figure of all values of one property."""
     own = [result for result in results_of(store, who.viewer, thing.ref) if result.property == property]
-    return figure(_points(property, own, thing), dark=dark)
+    return figure(_points(property, own, _as_counted(store, who.viewer, thing)), dark=dark)
 
 
 @router.get("/{dataset}/{name}/beliefs.json")
 def beliefs(store: StoreOf, who: Who, thing: SeenThing, property: Text, dark: Dark = False) -> Response:
     """The figure of what explorations ended up believing of one property."""
-    return figure(_beliefs_plot(property, final_beliefs(store, who.viewer, thing.ref), thing), dark=dark)
+    found = final_beliefs(store, who.viewer, thing.ref)
+    return figure(_beliefs_plot(property, found, _as_counted(store, who.viewer, thing)), dark=dark)
 
 
 def _about(name: str, results: Sequence[Result], thing: Thing) -> About:
