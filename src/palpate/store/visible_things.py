@@ -108,6 +108,8 @@ def list_visible_things(
 ) -> ThingPage:
     """Objects by dataset and name, those merged into another one left out; what is counted is what is seen.
 
+    The database decides which name comes first, by its collation.
+
     Raises
     ------
     StoreError
@@ -117,10 +119,16 @@ def list_visible_things(
     asked = _asked(viewer, wanted or ThingFilter())
     if cursor is not None:
         asked = asked.where(tuple_(columns.dataset, columns.name) > tuple_(*_place(cursor)))
-    asked = asked.order_by(columns.dataset, columns.name).limit(limit)
+    # in the order of the database, which need not be that of Python: what comes after a cursor is in it too
+    name = (columns.dataset, columns.name)
+    by_name = asked.with_only_columns(columns.id, *name).order_by(*name).limit(limit)
     with reading(store.engine) as connection:
-        rows = list(connection.scalars(asked))
-        found = sorted(things_where(connection, columns.id.in_(rows)), key=lambda one: (one.ref.dataset, one.ref.id))
+        rows = connection.execute(by_name).all()
+        named = {
+            (one.ref.dataset, one.ref.id): one
+            for one in things_where(connection, columns.id.in_([row for row, _, _ in rows]))
+        }
+        found = [named[dataset, name] for _, dataset, name in rows]
         seen = _as_seen(connection, viewer, found)
     end = _cursor(found[-1].ref) if found and len(found) == limit else None
     return ThingPage(tuple(seen), end)
