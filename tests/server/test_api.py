@@ -3,7 +3,10 @@
 import csv
 import io
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from datetime import timedelta
+from threading import Event
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -40,6 +43,41 @@ def test_pages_follow_each_other_without_gap_or_repetition(client: TestClient, s
         store.put(public(100 + len(found), recorded_at=START + timedelta(days=1)))
         address = answer.links.get("next", {}).get("url", "")
     assert found == [one.digest for one in reversed(put)]
+
+
+def test_who_pages_on_in_the_order_of_uploads_misses_nothing(client: TestClient, store: Store) -> None:
+    """An upload that began before and is kept later stands in front: those after it are listed once it is there."""
+    asked = f"{API}/recordings?sort=uploaded&order=ascending&limit=2"
+    # all of one object and setup, which who puts the second one knows already
+    put = [public(number, thing=ThingRef("lab", "cup")) for number in range(4)]
+    drawn, go_on = Event(), Event()
+    draw = store._statements.new_ids
+
+    def slowly(*args: Any) -> Any:
+        ids = draw(*args)
+        drawn.set()
+        assert go_on.wait(30)
+        return ids
+
+    with Store(store.engine, store.blobs) as slow, ThreadPoolExecutor(2) as pool, pytest.MonkeyPatch.context() as patch:
+        store.put(put[0])
+        slow.put(put[1])
+        first = client.get(asked).json()
+        assert [item["digest"] for item in first["items"]] == [one.digest for one in put[:2]]
+        following = f"{asked}&cursor={first['next']}"
+        patch.setattr(slow._statements, "new_ids", slowly)
+        kept = [pool.submit(slow.put, put[2])]
+        assert drawn.wait(30)
+        # a file has one writer at a time, and the other one waits
+        kept.append(pool.submit(store.put, put[3]))
+        if store.engine.dialect.name == "postgresql":
+            kept[1].result(30)
+        meanwhile = client.get(following).json()
+        go_on.set()
+        for one in kept:
+            one.result(30)
+    assert (meanwhile["items"], meanwhile["next"]) == ([], None)
+    assert [item["digest"] for item in client.get(following).json()["items"]] == [one.digest for one in put[2:]]
 
 
 def test_a_recording_is_told_whole(client: TestClient, store: Store) -> None:

@@ -17,6 +17,7 @@ from sqlalchemy import Engine, PoolProxiedConnection, Table
 from sqlalchemy.engine.interfaces import DBAPICursor
 
 from palpate.store.outages import outage
+from palpate.store.upload_order import DRAW
 
 __all__ = ["CHUNK", "Statements"]
 
@@ -110,7 +111,7 @@ class Statements:
         """Row numbers for recordings, known before they are inserted, so that all their rows go in at once."""
         if self._is_postgresql:
             # a sequence is safe while others insert
-            cursor.execute("SELECT nextval('recordings_id_seq') FROM generate_series(1, %s)", (count,))
+            cursor.execute(DRAW, (count,))
             return [row for (row,) in cursor.fetchall()]
         # in SQLite there is one writer at a time
         cursor.execute("SELECT max(id) FROM recordings")

@@ -24,6 +24,7 @@ from palpate.store.matching import in_order, matching
 from palpate.store.rows import moment_at
 from palpate.store.seals import Named, sealed_document
 from palpate.store.store import Store
+from palpate.store.upload_order import settled
 from palpate.store.viewing import VisibleFilter
 from palpate.store.visible_words import seen_names
 
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Damaged", "Listed", "Page", "list_recordings", "to_arrow"]
 
+AS_THEY_COME = Sort("uploaded", descending=False)
 Damaged = Callable[[DamagedError], None]
 """Is told of what is left out because it is not what was written."""
 
@@ -76,6 +78,9 @@ def list_recordings(
 ) -> Page:
     """List recordings, a page at a time: what is added meanwhile neither repeats nor hides a row.
 
+    In the order in which they were uploaded, the first one first, a recording is listed once none can come in front of
+    it: while a slower upload that began before is being kept, later ones wait for it here.
+
     Each row is verified by its seal, see `palpate.store.seals`.
 
     Parameters
@@ -103,6 +108,8 @@ def list_recordings(
     after = None if cursor is None else Cursor.parse(cursor, sort)
     matched = matching(wanted or Filter(), sort, after, limit)
     with reading(store.engine) as connection:
+        if sort == AS_THEY_COME and (last := settled(connection)) is not None:
+            matched = matched.where(schema.recordings.c.id <= last)
         keys, rows = _keys_and_rows(connection, matched, sort)
         names = _names(connection, rows, wanted)
         listed = tuple(_whole(rows, names, damaged))
