@@ -2,7 +2,9 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
+from uuid import uuid4
 
 import pytest
 from fastapi.testclient import TestClient
@@ -11,6 +13,7 @@ from hypothesis import given
 from palpate.server.api import models
 from palpate.server.security.accounts import Role
 from palpate.store.checks import check
+from palpate.store.entries import Value
 from palpate.store.errors import StoreError
 from palpate.store.importing.lines import line_of, recording_of
 from palpate.store.records import Device, Pose, Recording, Setup
@@ -202,3 +205,17 @@ def test_what_is_no_batch(client: TestClient, token: Token) -> None:
     many = client.post(API, content=b"1\n" * 10_002, headers={**headers, **NDJSON}).json()["items"]
     assert [one["status"] for one in many] == [422] * 10_001
     assert (many[-1]["source"], many[-1]["detail"]) == ("line 10001", "is one too many, expected 10000 at most")
+
+
+def test_what_cannot_be_true_is_told(client: TestClient, token: Token) -> None:
+    """A mass below nothing is kept with a notice, in the answer and on its page; as a truth it is refused."""
+    measured = squeeze(owner="ann", entries=(Value("mass", -5.0, unit="g"),), ground_truth=False)
+    body = "".join(line_of(one) + "\n" for one in (measured, replace(measured, id=uuid4(), ground_truth=True)))
+    headers = token("ann")
+    kept, refused = client.post(API, content=body, headers=NDJSON | headers).json()["items"]
+    told = "entries[0].value: found -5, expected more than 0, as each mass is"
+    assert (kept["status"], kept["notices"]) == (201, [told])
+    assert (refused["status"], refused["detail"], refused["notices"]) == (422, told, [])
+    again = client.put(f"{API}/{measured.digest}", content=package(measured), headers=headers)
+    assert again.json()["notices"] == [told]
+    assert told in client.get(f"/recordings/{measured.id}", headers=headers).text

@@ -32,7 +32,7 @@ def test_a_recording_is_kept_once(client: TestClient, store: Store, token: Token
     recording, headers = squeeze(owner="ann"), token("ann")
     first, second = (send(client, recording, headers) for _ in range(2))
     assert (first.status_code, second.status_code) == (201, 200)
-    assert first.json() == {"id": str(recording.id), "digest": recording.digest, "new": True}
+    assert first.json() == {"id": str(recording.id), "digest": recording.digest, "new": True, "notices": []}
     assert second.json() == {**first.json(), "new": False}
     assert store.get(recording.id) == recording
     assert first.headers["location"] == f"{API}/{recording.id}"

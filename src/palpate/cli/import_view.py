@@ -55,6 +55,10 @@ def report_lines(report: Report) -> Iterator[str]:
         yield from (_printable(f"{fate.value}: {one.source}: {one.reason}") for one in left[:SHOWN])
         if len(left) > SHOWN:
             yield f"{fate.value}: {plural(len(left) - SHOWN, 'more file')}, named in a file by --report FILE"
+    told = report.implausible
+    yield from (_printable(f"cannot be true: {source}: {notice}") for source, notice in told[:SHOWN])
+    if len(told) > SHOWN:
+        yield f"cannot be true: {plural(len(told) - SHOWN, 'more result')}, named in a file by --report FILE"
     yield counts_line(report)
 
 

@@ -118,7 +118,9 @@ def once(receiver: R) -> R:
 def receipt_of(connection: Connection, answer: Any, digest: str) -> Receipt:
     """The receipt that an answer is, if it is about this recording."""
     try:
-        found = Receipt(UUID(answer["id"]), str(answer["digest"]), bool(answer["new"]))
+        found = Receipt(
+            UUID(answer["id"]), str(answer["digest"]), bool(answer["new"]), tuple(map(str, answer.get("notices", ())))
+        )
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise connection.strange(f"no receipt ({error!r})") from error
     if found.digest != digest:

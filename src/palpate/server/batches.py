@@ -101,8 +101,17 @@ def _told(outcome: Outcome, ids: Any, hidden: str | None) -> dict[str, Any]:
             reason = reason.replace(f"{hidden}/", "").replace(hidden, "package")
         found = FIELD.fullmatch(reason)
         errors = [{"field": found[1], "detail": found[2]}] if found else []
-        return {**told, "status": 422, "id": None, "digest": None, "new": False, "detail": reason, "errors": errors}
+        return {
+            **told,
+            "status": 422,
+            "id": None,
+            "digest": None,
+            "new": False,
+            "detail": reason,
+            "errors": errors,
+            "notices": [],
+        }
     digest, new = outcome.recording.digest, outcome.fate is Fate.NEW
     id = ids.get(digest)
     told |= {"status": 201 if new else 200, "id": None if id is None else str(id), "digest": digest, "new": new}
-    return {**told, "detail": None, "errors": []}
+    return {**told, "detail": None, "errors": [], "notices": list(outcome.implausible)}

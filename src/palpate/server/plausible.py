@@ -7,8 +7,9 @@ from functools import lru_cache
 from palpate.errors import choices
 from palpate.network.properties import CategoricalProperty
 from palpate.network.reading import load_network
-from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
+from palpate.store.entries import Distribution, Entry, FailedEntry
 from palpate.store.errors import StoreError
+from palpate.store.implausible import positive_fault
 from palpate.store.labels import has_numbers, labels_of
 from palpate.store.quantities import QUANTITIES
 from palpate.store.store import Store
@@ -16,7 +17,6 @@ from palpate.store.units import units_of
 
 __all__ = ["check_plausible"]
 
-POSITIVE = ("area", "density", "elasticity", "frequency", "length", "mass", "volume", "weight")
 NO_UNIT = "dimensionless"
 
 
@@ -24,7 +24,7 @@ def check_plausible(store: Store, entry: Entry) -> None:
     """Refuse a label in place of a number, a number in place of a label or without its unit, and a mass below nothing.
 
     Of a property that neither everybody knows nor the store has, anything is taken. Recordings of programs are not
-    held to it, as an estimator may well find a negative elasticity.
+    held to it, as an estimator may well find a negative elasticity: of them it is told (`palpate.store.implausible`).
 
     Raises
     ------
@@ -33,6 +33,7 @@ def check_plausible(store: Store, entry: Entry) -> None:
 
     Examples
     --------
+    >>> from palpate.store.entries import Value
     >>> from tempfile import TemporaryDirectory
     >>> from palpate.store.opening import open_store
     >>> with TemporaryDirectory() as folder, open_store(f"{folder}/store.sqlite") as store:
@@ -55,23 +56,13 @@ def check_plausible(store: Store, entry: Entry) -> None:
         raise StoreError(f"value: found a number, and {name} is a label; {choices(sorted(labels | states)[:8])}")
     if unit not in (None, NO_UNIT) and entry.unit is None:
         raise StoreError(f"unit: is missing, expected one of {name}, such as {unit!r}")
-    _check_positive(entry)
+    fault = positive_fault(entry)
+    if fault is not None:
+        raise StoreError(fault)
 
 
 def _unit(store: Store, name: str) -> str | None:
     return QUANTITIES[name][0] if name in QUANTITIES else units_of(store).get(name)
-
-
-def _check_positive(entry: Value | Interval | Bound) -> None:
-    if entry.property not in POSITIVE:
-        return
-    if isinstance(entry, Value):
-        if entry.value <= 0:
-            raise StoreError(f"value: found {entry.value:g}, expected more than 0, as each {entry.property} is")
-        return
-    for end in (entry.low, entry.high) if isinstance(entry, Interval) else (entry.above, entry.below):
-        if end is not None and end < 0:
-            raise StoreError(f"value: found {end:g}, expected 0 or more, as each {entry.property} is")
 
 
 @lru_cache(maxsize=256)

@@ -11,6 +11,7 @@ from palpate.errors import choices
 from palpate.network.units import UnitError, factor, unit_of
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
 from palpate.store.errors import StoreError
+from palpate.store.implausible import implausible
 from palpate.store.quantities import check_quantity
 from palpate.store.records import DEVICE_KINDS, VISIBILITIES, Device, FileItem, Pose, Recording, Setup, ThingRef
 from palpate.store.signals import check_series
@@ -61,7 +62,8 @@ def check(
     StoreError
         Naming the field: an empty name, an unknown unit or one of another dimension, a number that is not finite,
         probabilities that do not sum to one, channels that do not fit together, a time in the future or without a
-        time zone, a file that is not there, a value that JSON cannot hold, more than one measurement says.
+        time zone, a result that is said to be true and cannot be, a file that is not there, a value that JSON cannot
+        hold, more than one measurement says.
 
     Examples
     --------
@@ -90,6 +92,8 @@ def check(
     _check_files(recording.files)
     for place, entry in enumerate(recording.entries):
         check_entry(f"entries[{place}]", entry, units or {}, is_new=is_new)
+    if is_new and recording.ground_truth and (faults := implausible(recording)):
+        raise StoreError(faults[0])
     check_encoding("log", recording.log)
     for place, notice in enumerate(recording.notices):
         check_text(f"notices[{place}]", notice)

@@ -18,6 +18,7 @@ from palpate.store.decoding import entry_from, moment_from, pose_from
 from palpate.store.embargo import embargo_of
 from palpate.store.entries import Entry
 from palpate.store.fetching import from_row_or_blob, parsed_layout, setup_of
+from palpate.store.implausible import faults_of
 from palpate.store.legible import reading
 from palpate.store.records import Pose, Series, Setup, ThingRef, visibility_now
 from palpate.store.registry import thing_of
@@ -91,6 +92,11 @@ class Head:
     def entries(self) -> tuple[Entry, ...]:
         """The results."""
         return tuple(map(entry_from, self.document["entries"]))
+
+    @property
+    def implausible(self) -> tuple[str, ...]:
+        """Which results cannot be true."""
+        return faults_of(self.entries)
 
     def pose(self, name: str) -> Pose | None:
         """``gripper_pose`` or ``object_pose``."""

@@ -299,8 +299,9 @@ def visibility_now(visibility: str, embargoed_until: datetime | None) -> str:
 
 @dataclass(frozen=True)
 class Receipt:
-    """What became of a recording: under which id a store has it, and whether it was new there."""
+    """What became of a recording: under which id a store has it, whether it was new, and what cannot be true in it."""
 
     id: UUID
     digest: str
     new: bool
+    notices: tuple[str, ...] = ()

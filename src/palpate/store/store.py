@@ -18,6 +18,7 @@ from palpate.store.checks import check
 from palpate.store.database import writing
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.fetching import fetch, whole
+from palpate.store.implausible import implausible
 from palpate.store.inserting import CHUNK, Statements
 from palpate.store.legible import reading
 from palpate.store.outages import not_kept, patiently
@@ -249,11 +250,11 @@ def _check_ids(new: Iterable[Prepared], there: Iterable[UUID]) -> None:
 
 
 def _receipt(one: Prepared, there: Mapping[str, UUID], new: Mapping[str, Prepared]) -> Receipt:
-    digest = one.recording.digest
+    digest, notices = one.recording.digest, implausible(one.recording)
     if digest in there:
-        return Receipt(there[digest], digest, new=False)
+        return Receipt(there[digest], digest, new=False, notices=notices)
     # of two that are the same, the first was kept
-    return Receipt(new[digest].recording.id, digest, new=new[digest] is one)
+    return Receipt(new[digest].recording.id, digest, new=new[digest] is one, notices=notices)
 
 
 def _bytes_of(key: UUID | str) -> bytes:

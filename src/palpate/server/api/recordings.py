@@ -122,7 +122,7 @@ async def put_recording(
     state = state_of(request)
     async with spooled(request) as package:
         receipt = await run_in_threadpool(receive, state, who, key, package)
-    found = {"id": str(receipt.id), "digest": receipt.digest, "new": receipt.new}
+    found = {"id": str(receipt.id), "digest": receipt.digest, "new": receipt.new, "notices": list(receipt.notices)}
     return answer(found, 201 if receipt.new else 200, {"Location": f"{plain.ROOT}/recordings/{receipt.id}"})
 
 

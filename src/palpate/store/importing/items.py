@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 from uuid import NAMESPACE_URL, uuid5
 
+from palpate.store.implausible import implausible
 from palpate.store.records import Recording
 
 if TYPE_CHECKING:
@@ -47,6 +48,11 @@ class Outcome:
     fate: Fate
     reason: str | None = None
     recording: Recording | None = None
+
+    @property
+    def implausible(self) -> tuple[str, ...]:
+        """What cannot be true in a recording that was kept."""
+        return () if self.recording is None or self.fate is Fate.REFUSED else implausible(self.recording)
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,8 @@ class Report:
         Whether the import came to its end.
     left
         What was refused or skipped.
+    implausible
+        The source of what was kept, and what cannot be true in it.
 
     Examples
     --------
@@ -35,6 +37,7 @@ class Report:
 
     complete: bool = False
     left: list[Outcome] = field(default_factory=list)
+    implausible: list[tuple[str, str]] = field(default_factory=list)
     _counter: Counter[Fate] = field(default_factory=Counter)
 
     def add(self, outcome: Outcome) -> None:
@@ -42,6 +45,7 @@ class Report:
         self._counter[outcome.fate] += 1
         if outcome.fate in (Fate.REFUSED, Fate.SKIPPED):
             self.left.append(outcome)
+        self.implausible.extend((outcome.source, notice) for notice in outcome.implausible)
 
     def count(self, fate: Fate) -> int:
         """How many have met this fate."""
@@ -54,7 +58,8 @@ class Report:
     def plain(self) -> dict[str, Any]:
         """The report as JSON can hold it."""
         left = {fate.value: self._plain(fate) for fate in (Fate.REFUSED, Fate.SKIPPED)}
-        return {"format": "palpate-import-report/1", "complete": self.complete, "counts": self.counts(), **left}
+        told = {"implausible": [{"source": source, "notice": notice} for source, notice in self.implausible]}
+        return {"format": "palpate-import-report/1", "complete": self.complete, "counts": self.counts(), **left, **told}
 
     def _plain(self, fate: Fate) -> list[dict[str, str | None]]:
         return [{"source": one.source, "reason": one.reason} for one in self.left if one.fate is fate]

@@ -18,6 +18,7 @@ class Receipt(Strict):
     id: UUID
     digest: str
     new: bool
+    notices: list[str]
 
 
 class BatchField(Strict):
@@ -37,6 +38,7 @@ class BatchItem(Strict):
     new: bool
     detail: str | None
     errors: list[BatchField]
+    notices: list[str]
 
 
 class Batch(Strict):
