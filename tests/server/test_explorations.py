@@ -19,6 +19,7 @@ from palpate.episode.format import About, header_record, step_record
 from palpate.robots.sampled import SampledRobot
 from palpate.server import explorations
 from palpate.server.security.accounts import Role
+from palpate.store import keeping_episodes
 from palpate.store.describing import change_thing
 from palpate.store.entries import Value
 from palpate.store.episodes import StoredEpisode
@@ -275,6 +276,25 @@ def test_two_who_send_at_once_make_one_exploration(
     assert set(found) <= {200, 201, 409}
     assert found.count(201) == 3
     assert get_episode(store, episode.id).digest == episode.digest
+
+
+def test_a_line_that_comes_while_an_exploration_is_read_is_no_damage(
+    client: TestClient, store: Store, token: Token, episode: StoredEpisode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its digest and its lines are read as of one moment, so that watchers see it before the line or after."""
+    headers, address, documents_of = token("ann"), f"{API}/{episode.id}", keeping_episodes.documents_of
+    client.put(address, json=start_of(episode), headers=headers)
+
+    def late(*asked: Any) -> list[str]:
+        with monkeypatch.context() as undone:
+            undone.setattr(keeping_episodes, "documents_of", documents_of)
+            put_episode(store, replace(episode, steps=episode.steps[:1]))
+        return documents_of(*asked)
+
+    monkeypatch.setattr(keeping_episodes, "documents_of", late)
+    assert get_episode(store, episode.id).steps == ()
+    monkeypatch.undo()
+    assert len(get_episode(store, episode.id).steps) == 1
 
 
 @pytest.mark.parametrize("names", [("ann", "ann"), ("ann", "bob")])

@@ -23,6 +23,7 @@ __all__ = [
     "ACCOUNT_LOCK",
     "LATEST",
     "MERGE_LOCK",
+    "as_of_one_moment",
     "changing",
     "connect",
     "is_store",
@@ -172,10 +173,14 @@ def one_at_a_time(connection: Connection, lock: int) -> None:
 @contextmanager
 def snapshot(engine: Engine) -> Iterator[Connection]:
     """One transaction that reads: all that it sees is as it was at its first look, whatever is written meanwhile."""
-    if engine.dialect.name == "postgresql":
-        engine = engine.execution_options(isolation_level="REPEATABLE READ")
-    with engine.connect() as connection:
+    with as_of_one_moment(engine).connect() as connection:
         yield connection
+
+
+def as_of_one_moment(engine: Engine) -> Engine:
+    """The same engine for transactions that read as `snapshot` does; in SQLite all do."""
+    is_postgresql = engine.dialect.name == "postgresql"
+    return engine.execution_options(isolation_level="REPEATABLE READ") if is_postgresql else engine
 
 
 def revision(connection: Connection) -> str | None:

@@ -10,7 +10,7 @@ from sqlalchemy import ColumnElement, Connection, insert, or_, select, update
 from sqlalchemy.exc import DatabaseError, IntegrityError
 
 from palpate.store import schema
-from palpate.store.database import writing
+from palpate.store.database import as_of_one_moment, writing
 from palpate.store.embargo import embargo_of, embargo_us
 from palpate.store.episodes import StoredEpisode, check_episode, episode_from
 from palpate.store.errors import StoreError
@@ -75,7 +75,8 @@ def get_episode(store: Store, key: UUID | str) -> StoredEpisode:
     """
     columns = schema.episodes.c
     wanted = columns.uuid == key.bytes if isinstance(key, UUID) else columns.digest == digest_bytes(key)
-    with reading(store.engine) as connection:
+    # it may grow meanwhile, and its digest is that of all its steps
+    with reading(as_of_one_moment(store.engine)) as connection:
         row = connection.execute(_heads().where(wanted)).mappings().first()
         if row is None:
             raise StoreError(f"episode {key}: is not in the store")
