@@ -52,6 +52,17 @@ def test_revoked_expired_unknown(store: Store) -> None:
         revoke(store, number)
 
 
+def test_a_token_does_what_its_account_may(store: Store) -> None:
+    """Who is a reader by now ends the token of a time when they were more, which does no more than they may."""
+    add_user(store, "ann", Role.CURATOR)
+    issue(store, "ann")
+    (held,) = tokens(store, "ann")
+    with pytest.raises(StoreError, match="none that holds"):
+        revoke(store, held.id, user="ann", most=Role.READER)
+    set_role(store, "ann", Role.READER)
+    revoke(store, held.id, user="ann", most=Role.READER)
+
+
 @pytest.mark.parametrize("name", ["", " ann", "ann ", "a\nb", "a\x00b", "a\u202eb"])
 def test_names_that_would_mislead(store: Store, name: str) -> None:
     """A name that looks like another one, or like none, is refused."""

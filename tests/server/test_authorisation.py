@@ -193,6 +193,18 @@ def test_who_has_accounts_and_tokens(client: TestClient, world: World, person: s
     assert still == (401 if ended == 204 else 200)
 
 
+def test_a_lesser_token_ends_no_greater_one(client: TestClient, world: World) -> None:
+    """Who has found a token for reading cannot lock out the administrator that it is of; it ends itself."""
+    world.headers["found"] = {"Authorization": f"Bearer {issue(world.store, 'admin', Role.READER)}"}
+    held = {
+        one["role"]: one["id"] for one in client.get(f"{API}/tokens", headers=world.headers["found"]).json()["items"]
+    }
+    assert client.delete(f"{API}/tokens/{held['admin']}", headers=world.headers["found"]).status_code == 404
+    assert client.get(f"{API}/users", headers=world.headers["admin"]).status_code == 200
+    assert client.delete(f"{API}/tokens/{held['reader']}", headers=world.headers["found"]).status_code == 204
+    assert client.get(f"{API}/tokens", headers=world.headers["found"]).status_code == 401
+
+
 @pytest.mark.parametrize("person", PEOPLE)
 def test_only_what_one_sees_is_known(client: TestClient, world: World, person: str) -> None:
     """Who asks by digest what need not be sent is told of nothing that they may not see."""

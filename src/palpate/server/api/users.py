@@ -41,9 +41,9 @@ def list_tokens(store: StoreOf, who: Somebody) -> Response:
 
 @router.delete("/tokens/{id}", status_code=204)
 def revoke_token(store: StoreOf, who: Somebody, id: Place) -> Response:
-    """End a token at once: one of one's own, or as an administrator any."""
+    """End a token at once: one of one's own that may do no more than this one, or as an administrator any."""
     try:
-        tokens.revoke(store, id, user=None if who.role is Role.ADMIN else who.name)
+        tokens.revoke(store, id, user=None if who.role is Role.ADMIN else who.name, most=who.role)
     except UnavailableError:
         raise
     except StoreError as error:

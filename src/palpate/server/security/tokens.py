@@ -13,7 +13,7 @@ from functools import cache
 from hashlib import sha256
 from typing import Any
 
-from sqlalchemy import Select, bindparam, insert, select, update
+from sqlalchemy import Select, bindparam, insert, or_, select, update
 
 from palpate.server.security.accounts import Account, Role, no_account
 from palpate.store import schema
@@ -87,8 +87,8 @@ def end(store: Store, secret: str) -> None:
         connection.execute(update(schema.tokens).where(*holds).values(revoked_us=now_us()))
 
 
-def revoke(store: Store, token: int, *, user: str | None = None) -> None:
-    """End a token at once; `user`: only where it is theirs.
+def revoke(store: Store, token: int, *, user: str | None = None, most: Role = Role.ADMIN) -> None:
+    """End a token at once; `user`: only where it is theirs, `most`: only where it may do no more than this.
 
     Raises
     ------
@@ -99,6 +99,10 @@ def revoke(store: Store, token: int, *, user: str | None = None) -> None:
     condition = (columns.id == token) & columns.revoked_us.is_(None)
     if user is not None:
         condition &= columns.user_id.in_(select(schema.users.c.id).where(schema.users.c.name == user))
+    names = [role.name.lower() for role in Role if role <= most]
+    # a token does the lesser of its own role and its account's
+    held = select(schema.users.c.id).where(schema.users.c.role.in_(names))
+    condition &= or_(columns.role.in_(names), columns.user_id.in_(held))
     with changing(store.engine) as connection:
         done = connection.execute(update(schema.tokens).where(condition).values(revoked_us=now_us()))
         if not done.rowcount:
