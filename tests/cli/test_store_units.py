@@ -31,7 +31,7 @@ def test_what_was_refused_goes_through_once_the_unit_is_right(run: Run, place: P
     upload = ("spool", "upload", "--spool", spool.folder, "--to", place)
     ran = run(*upload)
     assert ran.code == 1
-    assert "expected mass, as 'g'" in ran.out
+    assert "expected the dimension that " in ran.out
     assert len(spool.refused()) == 1
     assert "said to be wrong (wrong, --wrong)" in run("store", "unit", "fluff", "kPa", "--store", place).refused
     ran = run("store", "unit", "fluff", "kPa", "--wrong", "--who", "ann", "--store", place)

@@ -200,3 +200,22 @@ def test_who_has_sent_it_finds_all_of_it(client: TestClient, secrets: list[Recor
         found = client.get(address, headers=ann)
         seen += found.text + str(found.headers)
     assert {one for one in markers(secrets) if one not in seen} == {SECOND}
+
+
+def test_a_refusal_tells_no_label_and_no_unit_of_it(client: TestClient, store: Store, token: Token) -> None:
+    """What somebody mistypes is told by what they see: of a property that is measured in private only, nothing."""
+    ann, bob = token("ann"), token("bob")
+    secret = (Distribution("spoilage", {"secretlabel": 1.0}), Value("novelty", 1.0, unit="mol"))
+    store.put(squeeze(1, thing=SHARED, owner="ann", entries=secret))
+    store.put(squeeze(2, thing=ThingRef("lab", "his"), owner="bob", visibility="public"))
+
+    def told(person: dict[str, str], thing: str, **entry: Any) -> Any:
+        body = {"source": "x", "entry": {"kind": "value", "value": 1.0, **entry}}
+        return client.put(f"/api/v1/objects/lab/{thing}/known", json=body, headers=person)
+
+    assert "expected one of novelty, such as 'mol'" in told(ann, "shared", property="novelty").text
+    assert "secretlabel" in told(ann, "shared", property="spoilage").text
+    other = told(bob, "his", property="novelty", unit="g")
+    assert "unit 'g' is mass; expected the dimension that novelty has in this store" in other.text
+    for name in ("novelty", "spoilage"):
+        assert told(bob, "his", property=name).status_code == 200

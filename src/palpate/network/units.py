@@ -22,7 +22,7 @@ from typing import Any
 from palpate.errors import PalpateError
 from palpate.network.formula import Formula
 
-__all__ = ["Unit", "UnitError", "ask_pint", "dimension_fault", "factor", "in_units", "unit_of"]
+__all__ = ["Unit", "UnitError", "ask_pint", "dimension_fault", "dimension_of", "factor", "in_units", "unit_of"]
 
 SHIPPED = Path(__file__).parents[1] / "data" / "units.json"
 Dimension = Mapping[str, float]
@@ -243,6 +243,17 @@ def _product(left: Dimension, right: Dimension, left_power: float, right_power: 
         name: left.get(name, 0.0) * left_power + right.get(name, 0.0) * right_power for name in sorted({*left, *right})
     }
     return {name: power for name, power in powers.items() if power}
+
+
+def dimension_of(unit: str) -> str:
+    """The dimension of a unit as it stands in a message.
+
+    Examples
+    --------
+    >>> dimension_of("kPa")
+    'length^-1 mass time^-2'
+    """
+    return _words(unit_of(unit).dimension)
 
 
 def _words(dimension: Dimension) -> str:

@@ -52,7 +52,7 @@ class Corrections:
     def know(self, entry: Entry, source: str) -> None:
         """Tell what a source says of a property."""
         self._check(self.thing.ref)
-        check_plausible(self.store, entry)
+        check_plausible(self.store, entry, self.who.viewer)
         change_thing(self.store, self.thing.ref, lambda thing: thing.knowing(entry, source), who=self.who.name)
 
     def forget(self, property: str, source: str | None) -> None:

@@ -8,7 +8,7 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 from palpate.errors import choices
-from palpate.network.units import UnitError, factor, unit_of
+from palpate.network.units import UnitError, dimension_of, factor, unit_of
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
 from palpate.store.errors import StoreError
 from palpate.store.implausible import implausible
@@ -26,7 +26,7 @@ from palpate.store.texts import (
     check_text,
 )
 
-__all__ = ["check", "check_embargo", "check_entry", "check_moment", "check_thing", "check_unit"]
+__all__ = ["check", "check_embargo", "check_entry", "check_moment", "check_thing", "check_unit", "check_unit_of"]
 
 CLOCKS_DIFFER = timedelta(minutes=1)
 SUM_TOLERANCE = 1e-6
@@ -234,6 +234,15 @@ def check_unit(where: str, unit: str | None, known: str | None) -> None:
         unit_of(unit) if known is None else factor(unit, known)
     except UnitError as error:
         raise StoreError(f"{where}: {error}") from None
+
+
+def check_unit_of(where: str, name: str, unit: str, known: str | None) -> None:
+    """As `check_unit` for the unit that a store has of a property, which is not told: what is private may have it."""
+    check_unit(where, unit, None)
+    if known is not None and unit_of(unit).dimension != unit_of(known).dimension:
+        raise StoreError(
+            f"{where}: unit {unit!r} is {dimension_of(unit)}; expected the dimension that {name} has in this store"
+        )
 
 
 def _check_probabilities(where: str, probabilities: Mapping[str, float]) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 from sqlalchemy import Connection, Table, insert, select, update
 
 from palpate.store import schema
-from palpate.store.checks import check_thing, check_unit
+from palpate.store.checks import check_thing, check_unit_of
 from palpate.store.completing import contradictions, joined_things, taken_away, without
 from palpate.store.content import device_plain, setup_plain, to_json
 from palpate.store.entries import Bound, Interval, Value
@@ -89,7 +89,7 @@ class Registry:
                 self.admit_unit(where, name, unit)
                 known[name] = unit
             elif unit != known[name] and not is_known_wrong:
-                check_unit(where, unit, known[name])
+                check_unit_of(where, name, unit, known[name])
 
     def _new_layout(self, layout: str) -> int:
         raise NotRememberedError
@@ -138,7 +138,7 @@ class Lookup(Registry):
     def admit_unit(self, where: str, name: str, unit: str) -> None:
         """Refuse a unit of another dimension than a property was first given in, and remember that of a new one."""
         known = self._unit(name)
-        check_unit(where, unit, known)
+        check_unit_of(where, name, unit, known)
         if known is None:
             self.connection.execute(insert(schema.properties), {"name": name, "unit": unit})
 

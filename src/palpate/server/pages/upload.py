@@ -132,7 +132,7 @@ async def by_hand(request: Request, store: StoreOf, who: Owner) -> Response:
 def _keep_typed(store: Store, who: Account, fields: Mapping[str, str]) -> Receipt:
     recording = recording_by_hand(fields, who)
     for entry in recording.entries:
-        check_plausible(store, entry)
+        check_plausible(store, entry, who.viewer)
     return store.put(recording, uploader=who.name)
 
 
