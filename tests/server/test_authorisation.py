@@ -121,9 +121,9 @@ def world(store: Store) -> World:
         put_episode(store, episode)
         episodes[name] = episode
         image = keep_image(store, f"marker-{name}.png", "image/png", PNG)
-        change_thing(store, recording.thing, lambda thing, image=image: thing.showing(image))  # type: ignore[misc]
+        change_thing(store, recording.thing, lambda thing, image=image: thing.showing(image), who="ann")  # type: ignore[misc]
         # an object that all see, and of which each sees the parts that they may
-        merge_things(store, recording.thing, shared.thing)
+        merge_things(store, recording.thing, shared.thing, who="ann")
     change_thing(store, shared.thing, lambda thing: thing.knowing(Value("mass", 4.0, unit="g"), "a scale"))
     headers = {"anonymous": {}, "host": {"Cookie": f'palpate-key="{KEY}"', "Origin": "http://testserver"}}
     for name, role in ROLES.items():

@@ -1,6 +1,7 @@
 """Changing what is said of an object, over the network: who may, and under whose name it is noted.
 
-A curator may change what they see. An owner may where all that was measured of the object is theirs. Each change is
+A curator may change what they see. An owner may where all that was measured of the object is
+theirs, and nobody else has described it. Each change is
 noted with who made it and what was there before, and can be taken back.
 """
 
@@ -92,5 +93,6 @@ class Corrections:
 
     def _check(self, thing: ThingRef) -> None:
         if not may_change(self.store, self.who, thing):
-            told = f"object {thing.dataset}/{thing.id}: is for curators to change, or for who owns all recordings of it"
+            whose = "for curators to change, or for who owns all recordings of it and alone has described it"
+            told = f"object {thing.dataset}/{thing.id}: is {whose}"
             raise problem(403, told)

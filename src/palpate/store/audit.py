@@ -11,7 +11,7 @@ from typing import Any
 from sqlalchemy import Connection, Select, insert, select, update
 
 from palpate.store import schema
-from palpate.store.completing import CHANGED
+from palpate.store.completing import ADDED, CHANGED
 from palpate.store.content import to_json
 from palpate.store.decoding import entry_from
 from palpate.store.errors import StoreError
@@ -24,7 +24,7 @@ from palpate.store.things import is_thing
 
 __all__ = ["ADDED", "CHANGED", "MERGED", "UNDOABLE", "Change", "history"]
 
-ADDED, MERGED = "added", "merged"
+MERGED = "merged"
 UNDOABLE = (CHANGED, MERGED)
 Row = Mapping[Any, Any]
 

@@ -12,10 +12,12 @@ from palpate.store import schema
 from palpate.store.content import to_json
 from palpate.store.records import ThingRef
 
-__all__ = ["CHANGED", "contradictions", "joined_things", "taken_away", "without"]
+__all__ = ["ADDED", "CHANGED", "OF_ARCHIVES", "contradictions", "joined_things", "taken_away", "without"]
 
-CHANGED = "changed"
-"""What the audit calls a person's change of a description."""
+ADDED, CHANGED = "added", "changed"
+"""What the audit calls that a person has put an object into the store, and has changed what is said of it."""
+OF_ARCHIVES = "archive "
+"""Who says what comes with an archive, which is what recordings and persons say elsewhere."""
 Part = tuple[tuple[str, ...], str]
 """Where a part of a description stands, and what it says, as JSON."""
 

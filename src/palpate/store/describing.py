@@ -48,7 +48,7 @@ def add_thing(store: Store, thing: ThingRef, *, who: str | None = None) -> bool:
         if next(things_where(connection, is_thing(thing)), None) is not None:
             return False
         row = Lookup(connection, Registry()).thing(thing)
-        note(connection, row, ADDED, {}, who)
+        note(connection, row, ADDED, list(_differences({}, fields_of(Thing(thing)))), who)
         return True
 
 

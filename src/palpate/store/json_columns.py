@@ -9,7 +9,29 @@ from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.compiler import SQLCompiler
 from sqlalchemy.sql.functions import FunctionElement
 
-__all__ = ["HoldsLine", "HoldsText"]
+__all__ = ["Holds", "HoldsLine", "HoldsText"]
+
+
+class Holds(FunctionElement[bool]):
+    """Whether a text holds another one, letter by letter."""
+
+    type = Boolean()
+    inherit_cache = True
+
+    def __init__(self, column: ColumnElement[str], part: ColumnElement[str]) -> None:
+        super().__init__(column, part)
+
+
+@compiles(Holds, "sqlite")
+def _sqlite_part(element: Holds, compiler: SQLCompiler, **options: Any) -> str:
+    column, part = (compiler.process(one, **options) for one in element.clauses)
+    return f"(instr({column}, {part}) > 0)"
+
+
+@compiles(Holds, "postgresql")
+def _postgresql_part(element: Holds, compiler: SQLCompiler, **options: Any) -> str:
+    column, part = (compiler.process(one, **options) for one in element.clauses)
+    return f"(strpos({column}, {part}) > 0)"
 
 
 class HoldsText(FunctionElement[bool]):

@@ -1,9 +1,13 @@
 """Who may see what: conditions that stand in every question of a server, so that nothing is filtered afterwards.
 
 A recording or an episode is seen by all where it is public, by everybody with an account where it is for the lab, and
-by its owner, by all who have sent it, and by administrators where it is private or until its embargo ends. An object is
-seen where something that was done with it is, or where nothing was done with it yet; a setup where a recording is that
-was made with it.
+by its owner, by all who have sent it, and by administrators where it is private or until its embargo ends. A setup is
+seen where a recording is that was made with it. An object is seen where something that was done with it is, or where nothing
+was done with it yet, or where a person has said something of it that is seen.
+
+Who says something of an object says it to those who see something that was done with it by then, or that is the
+speaker's own; and to all where nothing was done with it yet. So nobody learns it by sending something of that name
+later, and nobody hides it so.
 """
 
 from __future__ import annotations
@@ -12,14 +16,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from sqlalchemy import ColumnElement, Select, Table, and_, exists, func, literal, not_, or_, select, true, union
+from sqlalchemy import ColumnElement, Select, Table, and_, exists, false, func, literal, not_, or_, select, true, union
 
 from palpate.store import schema
-from palpate.store.completing import CHANGED
+from palpate.store.completing import ADDED, CHANGED, OF_ARCHIVES
 from palpate.store.content import to_json
 from palpate.store.embargo import is_over
 from palpate.store.filters import Filter, things_named
-from palpate.store.json_columns import HoldsLine
+from palpate.store.json_columns import Holds, HoldsLine
 from palpate.store.registry import now_us
 
 __all__ = ["Viewer", "VisibleFilter"]
@@ -79,10 +83,7 @@ class Viewer:
         line = HoldsLine(recordings.c.words, literal(name.casefold()))
         said = exists().where(recordings.c.thing_id == things.id, self.of(recordings), line)
         by_person = exists().where(
-            audit.thing_id == things.id,
-            audit.what == CHANGED,
-            audit.undone_us.is_(None),
-            audit.detail.contains(to_json(name), autoescape=True),
+            audit.thing_id == things.id, self.hears(), audit.detail.contains(to_json(name), autoescape=True)
         )
         return or_(things.name == name, things.dataset + "/" + things.name == name, said, by_person)
 
@@ -98,8 +99,7 @@ class Viewer:
         )
         by_person = exists().where(
             audit.thing_id == things.id,
-            audit.what == CHANGED,
-            audit.undone_us.is_(None),
+            self.hears(),
             func.lower(audit.detail).contains(text.lower(), autoescape=True),
         )
         return or_(said, by_person)
@@ -111,7 +111,33 @@ class Viewer:
         tables = (schema.recordings, schema.episodes)
         here = [exists().where(table.c.thing_id == schema.things.c.id, self.of(table)) for table in tables]
         any_ = [exists().where(table.c.thing_id == schema.things.c.id) for table in tables]
-        return or_(*here, not_(or_(*any_)))
+        said = exists().where(schema.audit.c.thing_id == schema.things.c.id, self.hears())
+        return or_(*here, not_(or_(*any_)), said)
+
+    def hears(self) -> ColumnElement[bool]:
+        """The condition on `schema.audit` that a line holds by which a person has told something that is seen."""
+        line, recordings, episodes = schema.audit.c, schema.recordings, schema.episodes
+        holds = (line.what.in_((ADDED, CHANGED)), line.undone_us.is_(None))
+        if self.everything:
+            return and_(*holds)
+        before = (recordings.c.thing_id == line.thing_id, recordings.c.uploaded_us <= line.at_us)
+        # when an episode came nobody has noted
+        nothing = not_(or_(exists().where(*before), exists().where(episodes.c.thing_id == line.thing_id)))
+        theirs = func.coalesce(recordings.c.owner, recordings.c.uploaded_by) == line.who
+        of_theirs = exists().where(recordings.c.thing_id == line.thing_id, theirs, self.of(recordings))
+        told = and_(
+            not_(func.coalesce(line.who, "").startswith(OF_ARCHIVES)),
+            or_(exists().where(*before, self.of(recordings)), of_theirs),
+        )
+        own = [] if self.name is None else [line.who == self.name]
+        return and_(*holds, or_(nothing, told, *own))
+
+    def sees_all(self) -> ColumnElement[bool]:
+        """The condition on `schema.things` that all that was done with one is seen."""
+        tables = (schema.recordings, schema.episodes)
+        # who owns it may be unknown, and then it is neither seen nor not
+        unseen = ((table, not_(func.coalesce(self.of(table), false()))) for table in tables)
+        return not_(or_(*(exists().where(table.c.thing_id == schema.things.c.id, hidden) for table, hidden in unseen)))
 
     def heads(self) -> Select[int]:
         """Rows of the objects that are seen and count as one of their own, themselves or by one merged into them."""
@@ -145,8 +171,13 @@ def known_things(viewer: Viewer, name: str, label: str) -> Select[int]:
     """Rows of objects of which a label is known to a viewer, with those that count as the same object."""
     said, things = schema.thing_properties.c, schema.things
     entries, recordings = schema.entries.c, schema.recordings
+    told = select(said.thing_id).where(said.property == name, said.label == label)
+    if not viewer.everything:
+        heard = Holds(schema.audit.c.detail, literal('"after":') + said.document)
+        by_person = exists().where(schema.audit.c.thing_id == things.c.id, viewer.hears(), heard)
+        told = told.join(things, things.c.id == said.thing_id).where(or_(by_person, viewer.sees_all()))
     found = union(
-        select(said.thing_id).where(said.property == name, said.label == label),
+        told,
         select(entries.thing_id)
         .join(recordings, recordings.c.id == entries.recording_id)
         .where(entries.property == name, entries.label == label, recordings.c.ground_truth, viewer.of(recordings)),

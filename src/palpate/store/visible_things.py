@@ -11,13 +11,17 @@ from dataclasses import dataclass, replace
 from sqlalchemy import ColumnElement, Connection, Select, exists, func, or_, select, tuple_
 
 from palpate.store import schema
+from palpate.store.audit import MERGED
+from palpate.store.completing import ADDED, CHANGED
+from palpate.store.content import to_json
+from palpate.store.describing import Fields, fields_of
 from palpate.store.errors import StoreError
 from palpate.store.legible import reading
 from palpate.store.records import ThingRef
 from palpate.store.store import Store
 from palpate.store.things import Thing, is_thing, things_where
 from palpate.store.viewing import Viewer, known_things
-from palpate.store.visible_words import seen_refs
+from palpate.store.visible_words import of_mixed, seen_refs, unsaid
 
 __all__ = [
     "ThingFilter",
@@ -149,12 +153,18 @@ def visible_thing(store: Store, viewer: Viewer, dataset: str, name: str) -> Thin
 
 
 def is_all_theirs(store: Store, name: str, thing: ThingRef) -> bool:
-    """Whether each recording of an object, and of those merged into it, is somebody's; no where there is none."""
+    """Whether each recording of an object, and of those merged into it, is somebody's, who alone has described it.
+
+    No where there is none.
+    """
     recordings = schema.recordings.c
     asked = select(func.count(), func.count().filter(is_theirs(name))).where(recordings.thing_id.in_(rows_of(thing)))
+    line = schema.audit.c
+    others = (line.what.in_((ADDED, CHANGED, MERGED)), line.undone_us.is_(None), func.coalesce(line.who, "") != name)
+    described = select(line.id).where(line.thing_id.in_(rows_of(thing)), *others).limit(1)
     with reading(store.engine) as connection:
         count, own = connection.execute(asked).one()
-    return bool(count) and bool(count == own)
+        return bool(count) and bool(count == own) and connection.scalar(described) is None
 
 
 def is_theirs(name: str) -> ColumnElement[bool]:
@@ -214,8 +224,24 @@ def _as_known(
     connection: Connection, viewer: Viewer, keys: Mapping[tuple[str, str], int], found: Sequence[Thing]
 ) -> list[Thing]:
     """Objects with what a viewer may know of each."""
-    seen = seen_refs(connection, viewer, {key: one.ref for key, one in zip(keys.values(), found, strict=True)})
-    return [replace(one, ref=seen[key]) for key, one in zip(keys.values(), found, strict=True)]
+    whole = dict(zip(keys.values(), found, strict=True))
+    seen = seen_refs(connection, viewer, {key: one.ref for key, one in whole.items()})
+    every = {key: {(field, to_json(value)) for field, value in _told(one).items()} for key, one in whole.items()}
+    doubtful = {key: parts for key, parts in unsaid(connection, viewer, every).items() if parts}
+    hidden = of_mixed(connection, viewer, list(doubtful))
+    left = {key: {field for field, _ in doubtful[key]} if key in hidden else set() for key in whole}
+    return [_without(replace(one, ref=seen[key]), left[key]) for key, one in whole.items()]
+
+
+def _told(thing: Thing) -> Fields:
+    """What only persons say of an object: what is known of it, and its pictures."""
+    return {field: value for field, value in fields_of(thing).items() if field[0] in ("known", "images")}
+
+
+def _without(thing: Thing, hidden: Collection[tuple[str, ...]]) -> Thing:
+    known = (one for one in thing.known if ("known", one.entry.property or "", one.source) not in hidden)
+    images = (one for one in thing.images if ("images", one.name) not in hidden)
+    return replace(thing, known=tuple(known), images=tuple(images))
 
 
 def _cursor(thing: ThingRef) -> str:

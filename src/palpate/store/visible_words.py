@@ -1,7 +1,8 @@
 """What is said of an object, as far as somebody may know it.
 
 Recordings complete the description of their object, and some of them not everybody sees. A word is shown where a person
-has said it, or a recording or exploration that is seen, or where all that was done with the object is seen.
+has said it to who looks (see `palpate.store.viewing`), or a recording has that is seen, or where all that was done with
+the object is seen.
 """
 
 from __future__ import annotations
@@ -11,21 +12,18 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, exists, false, func, literal, not_, or_, select
+from sqlalchemy import Connection, exists, func, literal, not_, select
 
 from palpate.store import schema
-from palpate.store.completing import CHANGED
 from palpate.store.content import to_json
 from palpate.store.json_columns import HoldsLine
 from palpate.store.records import ThingRef
 from palpate.store.viewing import Viewer
 
-__all__ = ["seen_names", "seen_refs"]
+__all__ = ["Part", "of_mixed", "seen_names", "seen_refs", "unsaid"]
 
 Part = tuple[tuple[str, ...], str]
 """Where a part of a description stands, and what it says, as JSON."""
-OF_ARCHIVES = "archive "
-"""Who says what comes with an archive, which is what recordings say elsewhere."""
 CHUNK = 400
 
 
@@ -34,12 +32,12 @@ def seen_refs(connection: Connection, viewer: Viewer, things: Mapping[int, Thing
     if viewer.everything:
         return things
     every: dict[int, set[Part]] = {row: set(_parts(ref)) for row, ref in things.items()}
-    doubtful = _unsaid(connection, every)
+    doubtful = unsaid(connection, viewer, every)
     doubtful = {
         row: {part for part in parts if not _is_in_words(connection, viewer, row, part)}
         for row, parts in doubtful.items()
     }
-    hidden = _of_mixed(connection, viewer, [row for row, parts in doubtful.items() if parts])
+    hidden = of_mixed(connection, viewer, [row for row, parts in doubtful.items() if parts])
     return {row: _without(ref, doubtful[row]) if row in hidden else ref for row, ref in things.items()}
 
 
@@ -50,7 +48,7 @@ def seen_names(connection: Connection, viewer: Viewer, names: Mapping[int, str |
     parts: dict[int, set[Part]] = {
         row: {(("common_name",), to_json(name))} for row, name in names.items() if name is not None
     }
-    doubtful = [row for row, left in _unsaid(connection, parts).items() if left]
+    doubtful = [row for row, left in unsaid(connection, viewer, parts).items() if left]
     if not doubtful:
         return names
     things, recordings = schema.things.c, schema.recordings
@@ -64,7 +62,7 @@ def seen_names(connection: Connection, viewer: Viewer, names: Mapping[int, str |
         doubtful = [row for row in doubtful if row not in said]
     # a database knows fewer small letters
     doubtful = [row for row in doubtful if not _is_in_words(connection, viewer, row, next(iter(parts[row])))]
-    hidden = _of_mixed(connection, viewer, doubtful)
+    hidden = of_mixed(connection, viewer, doubtful)
     return {row: None if row in hidden else name for row, name in names.items()}
 
 
@@ -87,16 +85,13 @@ def _without(ref: ThingRef, parts: Collection[Part]) -> ThingRef:
     )
 
 
-def _unsaid(connection: Connection, parts: Mapping[int, set[Part]]) -> dict[int, set[Part]]:
-    """Those parts that no person has said."""
+def unsaid(connection: Connection, viewer: Viewer, parts: Mapping[int, set[Part]]) -> dict[int, set[Part]]:
+    """Those parts, by rows of objects, that no person has said to a viewer."""
     audit, left = schema.audit.c, {row: set(some) for row, some in parts.items()}
     for some in _chunks([row for row, one in parts.items() if one]):
-        holds = (audit.thing_id.in_(some), audit.what == CHANGED, audit.undone_us.is_(None))
-        for row, who, detail in connection.execute(select(audit.thing_id, audit.who, audit.detail).where(*holds)):
-            if not (who or "").startswith(OF_ARCHIVES):
-                left[row] -= {
-                    (tuple(one["field"]), to_json(one["after"])) for one in _changes(detail) if "after" in one
-                }
+        heard = (audit.thing_id.in_(some), viewer.hears())
+        for row, detail in connection.execute(select(audit.thing_id, audit.detail).where(*heard)):
+            left[row] -= {(tuple(one["field"]), to_json(one["after"])) for one in _changes(detail) if "after" in one}
     return left
 
 
@@ -123,20 +118,13 @@ def _is_in_words(connection: Connection, viewer: Viewer, row: int, part: Part) -
     return bool(connection.scalar(select(asked)))
 
 
-def _of_mixed(connection: Connection, viewer: Viewer, rows: Sequence[int]) -> set[int]:
-    """Those objects of which something was done that is not seen."""
+def of_mixed(connection: Connection, viewer: Viewer, rows: Sequence[int]) -> set[int]:
+    """Rows of those objects with which something was done that is not seen."""
     things, found = schema.things.c, set[int]()
     for some in _chunks(rows):
-        asked = select(things.id).where(things.id.in_(some), or_(*_unseen(viewer)))
+        asked = select(things.id).where(things.id.in_(some), not_(viewer.sees_all()))
         found.update(connection.scalars(asked))
     return found
-
-
-def _unseen(viewer: Viewer) -> Iterator[ColumnElement[bool]]:
-    for table in (schema.recordings, schema.episodes):
-        # who owns it may be unknown, and then it is neither seen nor not
-        seen = func.coalesce(viewer.of(table), false())
-        yield exists().where(table.c.thing_id == schema.things.c.id, not_(seen))
 
 
 def _chunks(rows: Sequence[int]) -> Iterator[Sequence[int]]:
