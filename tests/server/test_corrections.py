@@ -149,10 +149,10 @@ def test_by_forms(client: TestClient, store: Store) -> None:
         return client.post(page, data=fields, headers=host, follow_redirects=False)
 
     assert (
-        send(do="describe", common_name="blue cup", maker="", aliases=" a, b ,").headers["location"]
+        send(do="describe", common_name="blue cup", maker="", aliases=" a, b \r\n\r\n c").headers["location"]
         == "/objects/lab/cup"
     )
-    assert find_thing(store, "lab/cup").ref.aliases == ("a", "b")
+    assert find_thing(store, "lab/cup").ref.aliases == ("a, b", "c")
     assert send(do="know", property="mass", value="118", sd="1", unit="g", source="our scale").status_code == 303
     assert send(do="know", property="material", value="ceramic", unit="", sd="", source="eye").status_code == 303
     assert len(find_thing(store, "lab/cup").known) == 2
@@ -201,3 +201,55 @@ def test_a_page_tells_what_would_be_taken_back(client: TestClient, token: Token)
         client.post(f"{API}/lab/cup/undo", headers=dora)
     assert "It takes back" not in page()
     assert 'value="undo"' not in page()
+
+
+def test_a_form_undoes_nothing_that_others_have_changed(client: TestClient, store: Store, token: Token) -> None:
+    """What is saved from a page that no longer holds is refused, and keeps what was typed; saved again it is done."""
+    host = {"Cookie": f'palpate-key="{KEY}"', "Origin": "http://testserver"}
+    page = "/objects/lab/cup/edit"
+
+    def version(text: str) -> str:
+        (found,) = re.findall(r'name="version" value="(\w+)"', text)
+        return str(found)
+
+    typed = {
+        "do": "describe",
+        "common_name": "mine",
+        "maker": "",
+        "aliases": "",
+        "version": version(client.get(page, headers=host).text),
+    }
+    client.patch(f"{API}/lab/cup", json={"maker": "Acme"}, headers=token("carl", Role.CURATOR))
+    refused = client.post(page, data=typed, headers=host, follow_redirects=False)
+    assert refused.status_code == 409
+    assert "was changed since this page was loaded" in refused.text
+    assert 'value="mine"' in refused.text
+    assert find_thing(store, "lab/cup").ref.maker == "Acme"
+    again = {**typed, "maker": "Acme", "version": version(refused.text)}
+    assert client.post(page, data=again, headers=host, follow_redirects=False).status_code == 303
+    assert (find_thing(store, "lab/cup").ref.common_name, find_thing(store, "lab/cup").ref.maker) == ("mine", "Acme")
+
+
+def test_what_an_editor_does_not_see_stays(client: TestClient, store: Store, token: Token) -> None:
+    """Words of a private recording are neither removed by whoever does not see them, nor told by what was before."""
+    ann, carl = token("ann"), token("carl", Role.CURATOR)
+    zeus = ThingRef("lab", "mug", "SecretCorp", "Zeus handle", {"patent": "US123"}, ("zeus-1",))
+    store.put(squeeze(4, thing=zeus, owner="ann"))
+    form = {"do": "describe", "common_name": "", "maker": "", "aliases": "pot"}
+    page = "/objects/lab/mug/edit"
+    sent = client.post(page, data=form, headers={**carl, "Origin": "http://testserver"}, follow_redirects=False)
+    assert sent.status_code == 303
+    held = find_thing(store, "lab/mug").ref
+    assert (held.maker, held.common_name, held.attributes) == ("SecretCorp", "Zeus handle", {"patent": "US123"})
+    assert set(held.aliases) == {"zeus-1", "pot"}
+    seen = client.patch(f"{API}/lab/mug", json={"maker": "x", "attributes": {}}, headers=carl).json()
+    assert (seen["maker"], seen["common_name"], seen["aliases"]) == ("x", None, ["pot"])
+    for address in (f"{API}/lab/mug/history", page):
+        told = client.get(address, headers=carl).text
+        assert not [word for word in ("SecretCorp", "Zeus", "zeus", "US123") if word in told]
+        assert "pot" in told
+    assert client.post(f"{API}/lab/mug/undo", headers=carl).status_code == 200
+    assert find_thing(store, "lab/mug").ref.maker == "SecretCorp"
+    root = client.get(f"{API}/lab/mug", headers=token("root", Role.ADMIN)).json()
+    assert (root["maker"], root["common_name"]) == ("SecretCorp", "Zeus handle")
+    assert client.get(f"{API}/lab/mug", headers=ann).status_code == 200

@@ -7,15 +7,15 @@ noted with who made it and what was there before, and can be taken back.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from palpate.server.plausible import check_plausible
 from palpate.server.problems import problem
 from palpate.server.security.accounts import Account, Role
-from palpate.store.audit import ADDED, CHANGED, MERGED, UNDOABLE, Change, history
-from palpate.store.describing import change_thing
+from palpate.store.audit import ADDED, CHANGED, MERGED, UNDOABLE, Change
+from palpate.store.changing_seen import ChangedMeanwhileError, change_seen, seen_history
 from palpate.store.entries import Entry
 from palpate.store.merging import merge_things, split_thing
 from palpate.store.records import ThingRef
@@ -45,21 +45,25 @@ class Corrections:
     who: Account
     thing: Thing
 
-    def describe(self, fields: Mapping[str, Any]) -> None:
-        """Other words for maker, common name, attributes or aliases."""
-        self._check(self.thing.ref)
-        change_thing(self.store, self.thing.ref, lambda thing: thing.described(**fields), who=self.who.name)
+    def describe(self, fields: Mapping[str, Any], version: str | None = None) -> None:
+        """Other words for maker, common name, attributes or aliases; of what is not seen nothing changes.
+
+        Where it is not of this version any more, that is a 409.
+        """
+        try:
+            self._change(lambda thing: thing.described(**fields), version)
+        except ChangedMeanwhileError as error:
+            raise problem(409, str(error)) from None
 
     def know(self, entry: Entry, source: str) -> None:
         """Tell what a source says of a property."""
         self._check(self.thing.ref)
         check_plausible(self.store, entry, self.who.viewer)
-        change_thing(self.store, self.thing.ref, lambda thing: thing.knowing(entry, source), who=self.who.name)
+        self._change(lambda thing: thing.knowing(entry, source))
 
     def forget(self, property: str, source: str | None) -> None:
         """Tell no longer what a source, or any source, says of a property."""
-        self._check(self.thing.ref)
-        change_thing(self.store, self.thing.ref, lambda thing: thing.without(property, source), who=self.who.name)
+        self._change(lambda thing: thing.without(property, source))
 
     def merge(self, dataset: str, name: str) -> ThingRef:
         """Let it count as another one, which is given back."""
@@ -84,12 +88,16 @@ class Corrections:
     def history(self) -> list[Change]:
         """Who changed what, the last first."""
         self._check(self.thing.ref)
-        return [one for one in reversed(history(self.store, self.thing.ref)) if one.what in TOLD]
+        return [one for one in reversed(seen_history(self.store, self.who.viewer, self.thing.ref)) if one.what in TOLD]
 
     def last(self) -> Change | None:
         """The last change that holds, which `undo` takes back."""
         holds = (one for one in self.history() if one.what in UNDOABLE and one.undone_at is None)
         return next(holds, None)
+
+    def _change(self, edit: Callable[[Thing], Thing], version: str | None = None) -> None:
+        self._check(self.thing.ref)
+        change_seen(self.store, self.who.viewer, self.thing.ref, edit, who=self.who.name, version=version)
 
     def _check(self, thing: ThingRef) -> None:
         if not may_change(self.store, self.who, thing):

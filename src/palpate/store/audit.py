@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import Connection, Select, insert, select, update
+from sqlalchemy import ColumnElement, Connection, Select, insert, select, update
 
 from palpate.store import schema
 from palpate.store.completing import ADDED, CHANGED
@@ -56,9 +56,12 @@ class Change:
     undone_by: str | None
 
 
-def history(store: Store, thing: ThingRef | None = None) -> tuple[Change, ...]:
-    """What was changed about an object, or about all, the first first."""
-    asked = _lines().order_by(schema.audit.c.id)
+def history(
+    store: Store, thing: ThingRef | None = None, condition: ColumnElement[bool] | None = None
+) -> tuple[Change, ...]:
+    """What was changed about an object, or about all, the first first; `condition`: on `schema.audit`, as to which."""
+    asked = _lines() if condition is None else _lines().where(condition)
+    asked = asked.order_by(schema.audit.c.id)
     if thing is not None:
         asked = asked.where(is_thing(thing))
     with reading(store.engine) as connection:

@@ -114,10 +114,10 @@ class Viewer:
         said = exists().where(schema.audit.c.thing_id == schema.things.c.id, self.hears())
         return or_(*here, not_(or_(*any_)), said)
 
-    def hears(self) -> ColumnElement[bool]:
-        """The condition on `schema.audit` that a line holds by which a person has told something that is seen."""
+    def hears(self, *, holding: bool = True) -> ColumnElement[bool]:
+        """The condition on `schema.audit` that by a line a person has told something that is seen, and still holds."""
         line, recordings, episodes = schema.audit.c, schema.recordings, schema.episodes
-        holds = (line.what.in_((ADDED, CHANGED)), line.undone_us.is_(None))
+        holds = (line.what.in_((ADDED, CHANGED)), *([line.undone_us.is_(None)] if holding else []))
         if self.everything:
             return and_(*holds)
         before = (recordings.c.thing_id == line.thing_id, recordings.c.uploaded_us <= line.at_us)

@@ -20,7 +20,7 @@ from palpate.store.json_columns import HoldsLine
 from palpate.store.records import ThingRef
 from palpate.store.viewing import Viewer
 
-__all__ = ["Part", "of_mixed", "seen_names", "seen_refs", "unsaid"]
+__all__ = ["Part", "hidden_parts", "of_mixed", "seen_names", "seen_refs", "unsaid"]
 
 Part = tuple[tuple[str, ...], str]
 """Where a part of a description stands, and what it says, as JSON."""
@@ -31,14 +31,18 @@ def seen_refs(connection: Connection, viewer: Viewer, things: Mapping[int, Thing
     """Objects by their rows, with what a viewer may know of each."""
     if viewer.everything:
         return things
-    every: dict[int, set[Part]] = {row: set(_parts(ref)) for row, ref in things.items()}
-    doubtful = unsaid(connection, viewer, every)
+    hidden = hidden_parts(connection, viewer, {row: set(_parts(ref)) for row, ref in things.items()})
+    return {row: _without(ref, hidden[row]) if hidden[row] else ref for row, ref in things.items()}
+
+
+def hidden_parts(connection: Connection, viewer: Viewer, every: Mapping[int, set[Part]]) -> Mapping[int, set[Part]]:
+    """Those parts, by rows of objects, that a viewer may not know."""
     doubtful = {
         row: {part for part in parts if not _is_in_words(connection, viewer, row, part)}
-        for row, parts in doubtful.items()
+        for row, parts in unsaid(connection, viewer, every).items()
     }
-    hidden = of_mixed(connection, viewer, [row for row, parts in doubtful.items() if parts])
-    return {row: _without(ref, doubtful[row]) if row in hidden else ref for row, ref in things.items()}
+    mixed = of_mixed(connection, viewer, [row for row, parts in doubtful.items() if parts])
+    return {row: parts if row in mixed else set() for row, parts in doubtful.items()}
 
 
 def seen_names(connection: Connection, viewer: Viewer, names: Mapping[int, str | None]) -> Mapping[int, str | None]:

@@ -9,13 +9,14 @@ from fastapi import APIRouter, Depends, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
-from palpate.server.api.parameters import SeenThing, StoreOf
+from palpate.server.api.parameters import SeenThing, StoreOf, seen_thing
 from palpate.server.corrections import Corrections
 from palpate.server.pages.templates import page
 from palpate.server.problems import ProblemError, problem
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.sites import form_of
 from palpate.server.security.who import needs
+from palpate.store.changing_seen import version_of
 from palpate.store.entries import Distribution, Entry, Value
 from palpate.store.errors import StoreError, UnavailableError
 
@@ -46,26 +47,34 @@ async def change(request: Request, store: StoreOf, who: Owner, thing: SeenThing)
         raise
     except (StoreError, ProblemError) as error:
         told = error.detail if isinstance(error, ProblemError) else str(error)
-        if isinstance(error, ProblemError) and error.status_code != 422:
+        status = error.status_code if isinstance(error, ProblemError) else 422
+        if status == 409:
+            # what was typed stays, beside what holds by now
+            thing = await run_in_threadpool(seen_thing, store, who, thing.ref.dataset, thing.ref.id)
+            corrections = Corrections(store, who, thing)
+        elif status != 422:
             raise
-        return await run_in_threadpool(_page, request, corrections, fields, told)
+        return await run_in_threadpool(_page, request, corrections, fields, told, status)
     return RedirectResponse(request.url.path.removesuffix("/edit"), 303)
 
 
-def _page(request: Request, corrections: Corrections, given: Fields, fault: str | None) -> HTMLResponse:
-    status, thing = 200 if fault is None else 422, corrections.thing
-    told = {"history": corrections.history()[:30], "last": corrections.last()}
+def _page(
+    request: Request, corrections: Corrections, given: Fields, fault: str | None, status: int = 200
+) -> HTMLResponse:
+    thing = corrections.thing
+    told = {"history": corrections.history()[:30], "last": corrections.last(), "version": version_of(thing)}
     return page(request, "edit.html", status, None, thing=thing, given=given, fault=fault, **told)
 
 
 def _describe(corrections: Corrections, fields: Fields) -> None:
-    aliases = [one.strip() for one in fields.get("aliases", "").split(",")]
+    aliases = [one.strip() for one in fields.get("aliases", "").splitlines()]
     corrections.describe(
         {
             "common_name": fields.get("common_name") or None,
             "maker": fields.get("maker") or None,
             "aliases": tuple(one for one in aliases if one),
-        }
+        },
+        fields.get("version"),
     )
 
 
