@@ -14,9 +14,11 @@ import pytest
 from palpate.cli import keeping
 from palpate.recording.outbox import Outbox
 from palpate.recording.spool import Spool
+from palpate.server.app import application
 from palpate.store.keeping_episodes import get_episode
 from palpate.store.listing_episodes import list_episodes
 from palpate.store.opening import open_store
+from tests.server.serving import listening
 
 EXPLORE = ("explore", "ceramic_mug", "--seed", 5)
 
@@ -102,3 +104,29 @@ def test_options_that_do_not_go_together(run: Any, spool: Spool, options: tuple[
     """One sentence, and nothing is done."""
     assert said in run(*EXPLORE, *options).refused
     assert not spool.folder.exists()
+
+
+def test_a_token_that_does_not_hold_is_told_before_the_first_step(
+    run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No page is promised that is not there: one reason, and where the exploration is kept."""
+    monkeypatch.setenv("PALPATE_TOKEN", "palpate_wrong")
+    with open_store(tmp_path / "s.sqlite") as store, listening(application(store)) as url:
+        ran = run(*EXPLORE, "--live", "--to", f"{url}/api/v1")
+    assert ran.code == 0, ran.err
+    heading = ran.out[: ran.out.index("Before")]
+    assert "has not taken it" in heading
+    assert "the token is not known" in heading
+    assert "watch it at" not in ran.out
+    assert "no more is sent" not in ran.err
+    assert "to send it: palpate spool upload --to" in ran.err
+
+
+def test_a_pause_after_each_step(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As long as it was asked for, once for each action; a negative one is refused."""
+    slept = list[float]()
+    monkeypatch.setattr("palpate.cli.exploring.time.sleep", slept.append)
+    ran = run(*EXPLORE, "--pace", "2.5", "--steps", 2)
+    assert ran.code == 0, ran.err
+    assert [one for one in slept if one == 2.5] == [2.5, 2.5]
+    assert "--pace" in run(*EXPLORE, "--pace", "-1").refused

@@ -54,6 +54,7 @@ def test_a_password_is_read_and_not_shown(
         assert run("user", "password", "ann", "--store", place) == code
         told = capsys.readouterr()
         assert password not in told.out + told.err
+        assert told.out.startswith("ann has a new password") == (code == 0)
     with open_store(place) as store:
         assert log_in(store, "ann", "correct horse battery") is not None
         assert log_in(store, "ann", "correct horse") is None

@@ -120,6 +120,10 @@ class Asked:
         float | None,
         typer.Option("--timeout", help="Longest time an action may take, in seconds.", rich_help_panel=ROBOT),
     ] = None
+    pace_s: Annotated[
+        float,
+        typer.Option("--pace", help="Pause after each step, in seconds, for who watches.", rich_help_panel=LOOP),
+    ] = 0.0
     log: Annotated[
         Path | None, typer.Option(help="Write a line of JSON per step to this file.", rich_help_panel=OUTPUT)
     ] = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -70,6 +71,8 @@ def _explore(asked: Asked, ready: Ready, kept: Kept, audience: Audience) -> list
             audience.learned(step)
             if step.action is not None:
                 screen.print(view.step(step))
+                # it is who explores that waits, whether anybody watches or not
+                time.sleep(asked.pace_s)
     *taken, last = steps
     screen.print(view.end(last, taken))
     if ready.known is not None:

@@ -84,17 +84,18 @@ def _stored(asked: Asked, place: Place, ready: Ready) -> Iterator[Kept]:
 def _posted(url: str, asked: Asked, ready: Ready) -> Iterator[Kept]:
     """On a server elsewhere, for which nobody waits."""
     check_installed()
-    from palpate.cli.live import LIVE_TIMEOUT_S, page_of, tell_left
+    from palpate.cli.live import LIVE_TIMEOUT_S, begun, tell_left, told_once
     from palpate.client import Client
     from palpate.episode.posting import PostedEpisode
 
     client = Client(url, timeout_s=LIVE_TIMEOUT_S)
     robot = _recorded(asked, ready, None)
-    episode = PostedEpisode(client, robot, ready.prior, ready.about)
-    try:
-        yield Kept(robot, episode, f"sent as episode {episode.id}; watch it at {page_of(client.url, episode.id)}")
-    finally:
-        tell_left(episode.close(), client.url, robot.spool)
+    with told_once():
+        episode = PostedEpisode(client, robot, ready.prior, ready.about)
+        try:
+            yield Kept(robot, episode, begun(episode, client.url, robot.spool))
+        finally:
+            tell_left(episode.close(), client.url, robot.spool)
 
 
 def _recorded(asked: Asked, ready: Ready, store: Store | None) -> RecordedRobot:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -14,13 +15,16 @@ from palpate.figures.wording import plural
 if TYPE_CHECKING:
     from palpate.cli.asked import Asked
     from palpate.cli.store_options import Place
+    from palpate.episode.posting import PostedEpisode
     from palpate.recording.posting import Left
     from palpate.recording.spool import Spool
 
-__all__ = ["LIVE_TIMEOUT_S", "page_of", "showing", "tell_left"]
+__all__ = ["LIVE_TIMEOUT_S", "begun", "page_of", "showing", "tell_left", "told_once"]
 
 LIVE_TIMEOUT_S = 10.0
 """After it a server that does not answer is asked again."""
+BEGIN_S = 1.0
+"""In which a server takes an exploration, or the command goes on and says that it has not."""
 GRACE_S = 2.0
 """In which those who watch get the last step."""
 SERVICE = "/api/v1"
@@ -65,6 +69,29 @@ def page_of(url: str, id: UUID) -> str:
     'https://touch.example.org/episodes/00000000-0000-0000-0000-000000000007'
     """
     return f"{url.removesuffix(SERVICE)}/episodes/{id}"
+
+
+def begun(episode: PostedEpisode, url: str, spool: Spool) -> str:
+    """Where an exploration can be watched; or why it cannot yet, and where it is kept meanwhile."""
+    left = episode.begun(BEGIN_S)
+    if left is None:
+        return f"sent as episode {episode.id}; watch it at {page_of(url, episode.id)}"
+    return f"kept as episode {episode.id} in {spool.folder}; {url} has not taken it: {left.reason}"
+
+
+@contextmanager
+def told_once() -> Iterator[None]:
+    """Keep from the log, while the block runs, what is told here: why a server takes no more of an exploration."""
+    log = logging.getLogger("palpate.recording")
+    log.addFilter(_not_of_posting)
+    try:
+        yield
+    finally:
+        log.removeFilter(_not_of_posting)
+
+
+def _not_of_posting(record: logging.LogRecord) -> bool:
+    return record.module != "posting"
 
 
 def tell_left(left: Left | None, url: str, spool: Spool) -> None:

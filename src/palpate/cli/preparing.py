@@ -94,6 +94,7 @@ def _check(asked: Asked, place: Place) -> None:
     """Refuse options that do not go together."""
     if asked.budget_s is not None:
         options.number_of("--budget", str(asked.budget_s))
+    options.number_of("--pace", str(asked.pace_s))
     if asked.timeout_s is not None:
         options.number_of("--timeout", str(asked.timeout_s), least=1e-3)
     if asked.engine != "exact" and asked.policy.startswith(FORESEEING):

@@ -125,6 +125,7 @@ def password(place: Place, name: Name) -> None:
     asked = typer.prompt("Password", hide_input=True, confirmation_prompt=True) if sys.stdin.isatty() else input()
     with place.opened() as store:
         set_password(store, name, asked)
+    print(f"{name} has a new password; who was logged in under that name is no more, and other tokens hold")
 
 
 @app.command("revoke")

@@ -56,6 +56,10 @@ class PostedEpisode:
         """Under which id the server has it."""
         return self.stored.id
 
+    def begun(self, patience_s: float) -> Left | None:
+        """Wait a little for the server to take its beginning; None where it has, else why it has not."""
+        return self._poster.begun(patience_s)
+
     def write(self, step: Step) -> None:
         """Add a step; RecordingError if this computer's disk does not take it."""
         line = StoredStep(stored_record(step), self._robot.end_step())

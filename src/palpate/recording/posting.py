@@ -67,6 +67,7 @@ class Poster:
         self._jobs: SimpleQueue[Callable[[], object] | None] = SimpleQueue()
         self._added = self._sent = 0
         self._begun = False
+        self._answered = threading.Event()
         self._stopped = threading.Event()
         self._jobs.put(lambda: self._begin(episode))
         self._thread = threading.Thread(target=self._run, name="palpate-post", daemon=True)
@@ -85,15 +86,23 @@ class Poster:
         position, names = self._added, tuple(recordings)
         self._jobs.put(lambda: self._put(position, step, names))
 
+    def begun(self, patience_s: float) -> Left | None:
+        """Wait a little until the server has taken the exploration or refused it; None where it has taken it."""
+        self._answered.wait(patience_s)
+        return None if self._begun else self._left(patience_s)
+
     def close(self, patience_s: float) -> Left | None:
         """Wait a little until all is sent; what is left then, or None."""
         self._jobs.put(None)
         self._thread.join(patience_s)
         self._stopped.set()
-        left = self._added - self._sent
-        is_sent = self._begun and not left
+        is_sent = self._begun and self._added == self._sent
         self._outgoing.leave(is_sent=is_sent)
-        return None if is_sent else Left(left, str(self.error or f"there was no answer within {patience_s:g} s"))
+        return None if is_sent else self._left(patience_s)
+
+    def _left(self, patience_s: float) -> Left:
+        reason = str(self.error or f"there was no answer within {patience_s:g} s")
+        return Left(self._added - self._sent, reason)
 
     def _run(self) -> None:
         while (job := self._jobs.get()) is not None:
@@ -114,6 +123,7 @@ class Poster:
                 # the same again would be refused again
                 self.error = error
                 _log.warning("no more is sent: %s", error)
+                self._answered.set()
                 return False
             else:
                 self.error = None
@@ -123,6 +133,7 @@ class Poster:
     def _begin(self, episode: StoredEpisode) -> None:
         self._server.begin_episode(episode)
         self._begun = True
+        self._answered.set()
 
     def _put(self, position: int, step: StoredStep, recordings: Sequence[str]) -> None:
         for name in recordings:
