@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from html import unescape
 
 import pytest
 from fastapi.testclient import TestClient
@@ -155,3 +156,59 @@ def test_the_store_does_not_know_passwords() -> None:
     for wrong in (PASSWORD + " ", PASSWORD.upper(), "", "x" * 10_000, "\udcff" * 10):
         assert not is_password(wrong, first)
     assert not is_password("", None)
+
+
+def test_what_is_private_says_to_log_in_and_leads_back(client: TestClient, store: Store) -> None:
+    """To who is not logged in; who is logged in is not told to."""
+    add_user(store, "ann", Role.OWNER)
+    add_user(store, "eve", Role.OWNER)
+    for name in ("ann", "eve"):
+        set_password(store, name, PASSWORD)
+    address = f"/recordings/{store.put(squeeze(owner='ann')).id}"
+    page = {"Accept": "text/html"}
+    refused = client.get(address, headers=page)
+    assert (refused.status_code, f'If it is private, <a href="/login?next={address}">' in refused.text) == (404, True)
+    fields = {"name": "ann", "password": PASSWORD, "next": address}
+    found = client.post("/login", data=fields, headers=ORIGIN, follow_redirects=False)
+    assert found.headers["location"] == address
+    assert client.get(address, headers=page).status_code == 200
+    assert log_in(client, "eve") == 303
+    assert "If it is private" not in client.get(address, headers=page).text
+
+
+def test_what_was_typed_outlives_a_session(client: TestClient, store: Store) -> None:
+    """It is kept by the form to log in by, also after a wrong password, and sent by whoever is logged in then."""
+    add_user(store, "ann", Role.OWNER)
+    set_password(store, "ann", PASSWORD)
+    assert log_in(client) == 303
+    set_password(store, "ann", PASSWORD)
+    measured = {"dataset": "lab", "object": 'a "new" mug', "action": "weighing", "property": "mass", "value": "118"}
+    measured |= {"unit": "g", "recorded_at": "2026-01-02T03:04", "sd": "", "name": "not that of an account"}
+    page = {"Accept": "text/html", "Referer": "http://testserver/upload", **ORIGIN}
+    ended = client.post("/upload/one", data=measured, headers=page)
+    assert (ended.status_code, "What you typed is kept" in ended.text) == (401, True)
+    for password, status in (("wrong horse battery", 403), (PASSWORD, 200)):
+        (typed,) = re.findall(r'name="typed" value="([^"]*)"', ended.text)
+        fields = {"name": "ann", "password": password, "typed": unescape(typed)}
+        ended = client.post("/login", data=fields, headers=page)
+        assert ended.status_code == status
+    assert 'action="/upload/one"' in ended.text
+    sent = {
+        name: unescape(value) for name, value in re.findall(r'type="hidden" name="(\w+)" value="([^"]*)"', ended.text)
+    }
+    assert sent == measured
+    assert client.post("/upload/one", data=sent, headers=page, follow_redirects=False).status_code == 303
+
+
+def test_only_what_a_page_of_this_site_has_sent_is_kept(client: TestClient) -> None:
+    """Files are not, and who sends them comes back to the page of their form; nothing leads to another site."""
+    page = {"Accept": "text/html", "Referer": "http://testserver/upload?a=b"}
+    files = client.post("/upload", files={"files": ("a.json", b"{}")}, headers={**page, **ORIGIN})
+    assert (files.status_code, 'href="/login?next=/upload%3Fa%3Db"' in files.text) == (401, True)
+    foreign = {"Accept": "text/html", "Origin": "http://evil.example", "Referer": "http://evil.example/upload"}
+    other = client.post("/upload/one", data={"object": "mug"}, headers=foreign)
+    assert (other.status_code, "mug" in other.text, 'href="/login"' in other.text) == (401, False, True)
+    for typed in ("{", "[1, 2]", '["/upload", {}, 1]', '["//evil.example/", {}]', "[" * 100_000):
+        fields = {"name": "nobody", "password": "wrong", "typed": typed}
+        told = client.post("/login", data=fields, headers=ORIGIN)
+        assert (told.status_code, 'name="typed"' in told.text) == (403, False)

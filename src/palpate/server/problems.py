@@ -32,7 +32,9 @@ __all__ = [
     "Problem",
     "ProblemError",
     "Unexpected",
+    "answer_http",
     "install",
+    "is_page",
     "problem",
     "problem_of_store",
     "problem_response",
@@ -87,7 +89,7 @@ def problem_of_store(error: PalpateError, status: int = 422) -> ProblemError:
 
 def install(app: FastAPI) -> None:
     """Let an application answer every error in this form."""
-    app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(HTTPException, answer_http)
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(UnavailableError, _unavailable)
     app.add_exception_handler(OperationalError, _unavailable)
@@ -106,7 +108,7 @@ def _answer(request: Request, error: HTTPException) -> Response:
         status = error.status_code
         found = Problem(title=HTTPStatus(status).phrase, status=status, detail=error.detail)
     headers = dict(error.headers or {})
-    if _is_page(request):
+    if is_page(request):
         return error_page(request, found.status, found.title, found.detail, headers)
     return problem_response(found, headers)
 
@@ -128,11 +130,13 @@ class _Told(JSONResponse):
         await PlainTextResponse(f"{told}\n", self.status_code, headers)(scope, receive, send)
 
 
-def _is_page(request: Request) -> bool:
+def is_page(request: Request) -> bool:
+    """Whether it is a person with a browser who asks."""
     return not request.url.path.startswith("/api/") and "text/html" in request.headers.get("accept", "")
 
 
-async def _http(request: Request, error: Any) -> Response:
+async def answer_http(request: Request, error: Any) -> Response:
+    """Answer an error that has a status: for people as a page, for programs as a problem."""
     if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
         error.headers = {**(error.headers or {}), "Allow": ", ".join(methods_of(request.app, request.scope))}
     return _answer(request, error)
@@ -140,7 +144,7 @@ async def _http(request: Request, error: Any) -> Response:
 
 async def _invalid(request: Request, error: Any) -> Response:
     errors = [{"field": _path(one["loc"]), "detail": _said(one)} for one in error.errors()]
-    if _is_page(request):
+    if is_page(request):
         # who reads a page asks by its address or a form, and needs not know how the server takes that apart
         errors = [{**one, "field": one["field"].partition(".")[2] or one["field"]} for one in errors]
     told = "; ".join(f"{one['field']}: {one['detail']}" for one in errors[:3])

@@ -23,6 +23,7 @@ from palpate.server.pages import (
     sessions,
     sharing,
     sign_on,
+    typed,
     upload,
 )
 from palpate.server.pages.templates import STATIC
@@ -63,4 +64,5 @@ def install(app: FastAPI) -> None:
     """Add the pages to an application; they are none of its documented service."""
     for part in PARTS:
         app.include_router(part.router, include_in_schema=False)
+    typed.install(app)
     app.mount("/static", Assets(directory=STATIC), name="static")

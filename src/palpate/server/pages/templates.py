@@ -44,8 +44,9 @@ def page(
 
 
 def error_page(request: Request, status: int, title: str, detail: str, headers: Mapping[str, str]) -> HTMLResponse:
-    """The page of an error."""
-    log_in = way_in(request) if status == 401 else None
+    """The page of an error; to who is not logged in what is private looks as if it were not there."""
+    may_be_private = status == 404 and getattr(request.state, "account", Account()).name is None
+    log_in = way_in(request) if status == 401 or may_be_private else None
     return page(request, "error.html", status, headers, code=status, title=title, detail=detail, log_in=log_in)
 
 

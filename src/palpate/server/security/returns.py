@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from urllib.parse import quote
+from urllib.parse import quote, urlsplit
 
 from fastapi import Request
 
@@ -29,13 +29,19 @@ def own_path(text: str) -> str:
 
 
 def way_in(request: Request) -> str:
-    """The address to log in at, and to come back from to the page that was asked for."""
-    if request.method != "GET":
-        # what a form would have sent is not sent again
-        return LOG_IN
+    """The address to log in at, and to come back from to the page that was asked for; of a form to its page."""
+    if request.method not in ("GET", "HEAD"):
+        return log_in_for(_page_of_form(request))
     query = quote(request.url.query, safe="/?&=%+,:;@!$'()*~-._")
-    path = own_path(quote(request.scope["path"]) + (f"?{query}" if query else ""))
-    return log_in_for(path)
+    return log_in_for(own_path(quote(request.scope["path"]) + (f"?{query}" if query else "")))
+
+
+def _page_of_form(request: Request) -> str:
+    """The page of this site that a browser says it comes from."""
+    came = urlsplit(request.headers.get("referer", ""))
+    if came.netloc != request.headers.get("host"):
+        return "/"
+    return own_path(came.path + (f"?{came.query}" if came.query else ""))
 
 
 def log_in_for(path: str, log_in: str = LOG_IN) -> str:
