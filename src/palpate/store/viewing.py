@@ -2,8 +2,8 @@
 
 A recording or an episode is seen by all where it is public, by everybody with an account where it is for the lab, and
 by its owner, by all who have sent it, and by administrators where it is private or until its embargo ends. A setup is
-seen where a recording is that was made with it. An object is seen where something that was done with it is, or where nothing
-was done with it yet, or where a person has said something of it that is seen.
+seen where a recording is that was made with it. An object is seen where something that was done with it is, or where
+nothing was done with it yet, or where a person has said something of it that is seen.
 
 Who says something of an object says it to those who see something that was done with it by then, or that is the
 speaker's own; and to all where nothing was done with it yet. So nobody learns it by sending something of that name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from typing import Any
 from urllib.parse import urlsplit
 
 from fastapi import APIRouter, Request
@@ -76,5 +77,12 @@ def log_in_form(
     host = None if provider is None else urlsplit(provider.issuer).hostname
     back = own_path(next)
     by_provider = log_in_for(back, "/login/provider")
-    told = {"wrong": wrong, "name": name, "provider": host, "by_provider": by_provider, "next": back, "typed": typed}
+    told: dict[str, Any] = {
+        "wrong": wrong,
+        "name": name,
+        "provider": host,
+        "by_provider": by_provider,
+        "next": back,
+        "typed": typed,
+    }
     return page(request, "login.html", status, **told)
