@@ -26,7 +26,7 @@ MADE = [
         notices=("100% Odd_",) if number % 5 == 0 else (),
         recorded_at=START + timedelta(seconds=number // 2),
         entries=[
-            (Value("mass", float(number), 1.0, "g"), Value("mass", float(number + 1), 1.0, "g")),
+            (Value("mass", float(number + 1), 1.0, "g"), Value("mass", float(number + 2), 1.0, "g")),
             (Distribution("material", {"wood": 0.2 + 0.06 * number, "metal": 0.8 - 0.06 * number}),),
             (FailedEntry("slipped", "mass"), Value("elasticity", 1.0, unit="kPa")),
         ][number % 3],

@@ -46,7 +46,7 @@ def censored_of(store: Store, viewer: Viewer, properties: Collection[str]) -> Ma
     )
     names, found = list(properties), defaultdict[str, Censored](Counter)
     with reading(store.engine) as connection:
-        units = dict(connection.execute(select(schema.properties.c.name, schema.properties.c.unit)).tuples().all())
+        units = {row.name: row.unit for row in connection.execute(select(schema.properties))}
         for part in (names[start : start + CHUNK] for start in range(0, len(names), CHUNK)):
             for row in connection.execute(asked.where(entries.property.in_(part))):
                 told = units.get(row.property)

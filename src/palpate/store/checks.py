@@ -237,7 +237,13 @@ def check_unit(where: str, unit: str | None, known: str | None) -> None:
 
 
 def check_unit_of(where: str, name: str, unit: str, known: str | None) -> None:
-    """As `check_unit` for the unit that a store has of a property, which is not told: what is private may have it."""
+    """As `check_unit` for the unit that a store has of a property, which is not told: what is private may have it.
+
+    Raises
+    ------
+    StoreError
+        If the unit is unknown, or of another dimension.
+    """
     check_unit(where, unit, None)
     if known is not None and unit_of(unit).dimension != unit_of(known).dimension:
         raise StoreError(
