@@ -20,7 +20,9 @@ from palpate.server.app import application
 from palpate.server.security.accounts import Role, add_user, users
 from palpate.server.security.asking import AT_ONCE
 from palpate.server.security.identities import link
+from palpate.server.security.rates import Rate
 from palpate.server.security.single_sign_on import check_issuer
+from palpate.server.security.tries import Tries
 from palpate.server.settings import OIDC_SECRET, Settings
 from palpate.store.errors import StoreError
 from palpate.store.store import Store
@@ -151,6 +153,9 @@ def test_they_come_back_to_the_page_where_they_were(client: TestClient, provider
 def test_nobody_is_led_elsewhere_by_a_log_in(client: TestClient, provider: FakeProvider) -> None:
     """Neither by the address that the log-in begins at, nor by a cookie that somebody else has written."""
     first_page = urlsafe_b64encode(b"/").decode().rstrip("=")
+    # so many tries would have to wait
+    app: Any = client.app
+    app.state.palpate = replace(app.state.palpate, tries=Tries(Rate(per_s=1, burst=100), Rate(per_s=1, burst=100)))
     for next in ELSEWHERE:
         sent = client.get(f"{START}?{urlencode({'next': next})}")
         assert client.cookies[ATTEMPT].split(".")[3] == first_page
