@@ -183,6 +183,17 @@ def of_who_is_logged_in(page: Any, place: Place) -> Iterator[str]:
     page.get_by_role("button", name="Keep").click()
     page.get_by_role("heading", name="1 recording is in the store").wait_for()
     yield "what was kept"
+    page.goto("/upload")
+    for name, value in TYPED.items():
+        page.locator(f"input[name={name}]").fill(value)
+    page.context.clear_cookies()
+    page.get_by_role("button", name="Keep it").click()
+    yield "what was typed when the session had ended"
+    page.get_by_label("Name").fill("carl")
+    page.get_by_label("Password").fill(PASSWORD)
+    page.get_by_role("button", name="Log in").click()
+    page.get_by_role("button", name="Send it now").wait_for()
+    yield "what was typed, to be sent"
 
 
 TYPED = {

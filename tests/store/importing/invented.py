@@ -38,6 +38,8 @@ def squeeze(**fields: Any) -> Recording:
 
 words = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), min_size=1, max_size=12)
 numbers = st.floats(allow_nan=False, allow_infinity=False, width=64)
+# of results, in any of their units: a store keeps none that is more than 1e100 in SI units
+measured = st.floats(-1e96, 1e96)
 positive = st.floats(1e-3, 1e6)
 plain = st.recursive(
     st.none() | st.booleans() | st.integers(-(2**53), 2**53) | numbers | words,
@@ -53,10 +55,10 @@ def probabilities(weights: dict[str, float]) -> dict[str, float]:
 
 
 entries = st.one_of(
-    st.builds(Value, words, numbers, st.none() | positive, st.sampled_from([None, "kPa", "g"])),
+    st.builds(Value, words, measured, st.none() | positive, st.sampled_from([None, "kPa", "g"])),
     st.builds(Distribution, words, st.dictionaries(words, positive, min_size=1, max_size=5).map(probabilities)),
-    st.builds(lambda name, ends: Interval(name, min(ends), max(ends)), words, st.tuples(numbers, numbers)),
-    st.builds(lambda name, end: Bound(name, above=end, unit="kPa"), words, numbers),
+    st.builds(lambda name, ends: Interval(name, min(ends), max(ends)), words, st.tuples(measured, measured)),
+    st.builds(lambda name, end: Bound(name, above=end, unit="kPa"), words, measured),
     st.builds(FailedEntry, words, st.none() | words),
 )
 turns = st.none() | st.just((1.0, 0.0, 0.0, 0.0))
