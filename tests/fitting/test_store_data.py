@@ -15,6 +15,7 @@ from palpate.fitting.store_data import read_store
 from palpate.network.model import Network
 from palpate.outcomes import Above, Below, Label, Reading
 from palpate.store import schema
+from palpate.store.checks import check
 from palpate.store.content import entry_plain
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
 from palpate.store.filters import Filter
@@ -42,11 +43,13 @@ def store(tmp_path: Path) -> Iterator[Store]:
 def put(
     store: Store, *entries: Entry, action: str = "weigh", true: bool = False, thing: ThingRef = MUG, setup: Setup = NONE
 ) -> None:
-    """A recording at a time of its own."""
+    """A recording at a time of its own; as a store has it that took it before truths had to be possible."""
     with store.engine.connect() as connection:
         before = len(connection.execute(select(schema.recordings.c.id)).all())
     moment = START + timedelta(seconds=before)
-    store.put(Recording(moment, action, thing, setup, entries=entries, ground_truth=true))
+    recording = Recording(moment, action, thing, setup, entries=entries, ground_truth=true)
+    check(recording, is_new=False)
+    store.put_checked([recording])
 
 
 def know(store: Store, name: str, entry: Entry) -> None:

@@ -21,7 +21,7 @@ __all__ = ["draw_schema", "fingerprint"]
 PLACES = (
     ("thing_properties", "thing_images", "audit", "properties"),
     ("things", "episodes", "users"),
-    ("recordings", "episode_steps", "tokens"),
+    ("recordings", "episode_steps", "senders", "tokens"),
     ("series", "files", "entries"),
     ("layouts", "setups", "setup_devices", "devices"),
 )

@@ -89,10 +89,12 @@ class FolderBlobs:
 
     Examples
     --------
-    >>> blobs = FolderBlobs(Path("blobs"))
+    >>> from tempfile import TemporaryDirectory
     >>> digest = sha256(b"a picture").hexdigest()
-    >>> blobs.put(digest, b"a picture")
-    >>> blobs.get(digest)
+    >>> with TemporaryDirectory() as folder:
+    ...     blobs = FolderBlobs(Path(folder))
+    ...     blobs.put(digest, b"a picture")
+    ...     blobs.get(digest)
     b'a picture'
     """
 
