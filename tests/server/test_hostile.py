@@ -16,7 +16,7 @@ import pytest
 import zstandard
 from fastapi.testclient import TestClient
 
-from palpate.server import batches, receiving
+from palpate.server import receiving
 from palpate.server.api.downloads import LONGEST_NAME
 from palpate.server.app import application
 from palpate.server.security.accounts import Role, add_user
@@ -117,7 +117,6 @@ def test_what_says_too_much_is_not_read(
     sent = squeeze(owner="carl")
     headers = token("carl")
     monkeypatch.setattr(receiving, "LARGEST_JOURNAL_BYTES", 100)
-    monkeypatch.setattr(batches, "LARGEST_JOURNAL_BYTES", 100)
     address = f"{API}/recordings/{sent.digest}"
     alone = client.put(address, content=package(sent), headers=headers)
     assert alone.status_code == 422

@@ -9,14 +9,13 @@ from tempfile import TemporaryDirectory
 from typing import IO, Any
 
 from palpate.server.problems import FIELD
-from palpate.server.receiving import LARGEST_JOURNAL_BYTES, check_owner, check_parts
+from palpate.server.receiving import check_owner, unpacked
 from palpate.server.security.accounts import Account
 from palpate.server.state import State
 from palpate.store.errors import StoreError
 from palpate.store.importing.intake import import_items
 from palpate.store.importing.items import Fate, Item, Outcome
 from palpate.store.importing.lines import recording_of
-from palpate.store.importing.package import unpack
 from palpate.store.records import Recording
 from palpate.store.visible_episodes import recordings_of_digests
 
@@ -75,14 +74,8 @@ def _unpacked(package: IO[bytes], folder: Path, state: State) -> Recording:
         folder.mkdir()
         return folder
 
-    check_parts(package)
     try:
-        return unpack(
-            package,
-            made,
-            largest_bytes=state.settings.largest_unpacked_bytes,
-            largest_journal_bytes=LARGEST_JOURNAL_BYTES,
-        )
+        return unpacked(state, package, made)
     except (MemoryError, OverflowError):
         raise StoreError("package: holds numbers that are too large") from None
 

@@ -1,8 +1,7 @@
 """Changing what is said of an object, over the network: who may, and under whose name it is noted.
 
-A curator may change what they see. An owner may where all that was measured of the object is
-theirs, and nobody else has described it. Each change is
-noted with who made it and what was there before, and can be taken back.
+A curator may change what they see. An owner may where all that was measured of the object is theirs, and nobody else
+has described it. Each change is noted with who made it and what was there before, and can be taken back.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import ExitStack, asynccontextmanager
 from pathlib import Path
 from tempfile import SpooledTemporaryFile, TemporaryDirectory
@@ -21,13 +21,13 @@ from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.importing.package import unpack
 from palpate.store.records import Receipt, Recording
 
-__all__ = ["check_owner", "check_parts", "receive", "spooled"]
+__all__ = ["check_owner", "check_parts", "receive", "spooled", "unpacked"]
 
 IN_MEMORY = 4 << 20
 MOST_PARTS = 10_000
+"""Files in a package."""
 LARGEST_JOURNAL_BYTES = 8 << 20
 """A recording of the largest size has less, as the journal has each part of it with some words."""
-"""Files in a package."""
 END, END_BYTES = b"PK\x05\x06", 22
 LONGEST_END = END_BYTES + 65_535
 LARGE = b"PK\x06\x07"
@@ -62,13 +62,7 @@ def receive(state: State, who: Account, digest: str, package: IO[bytes]) -> Rece
             return Path(folders[-1])
 
         try:
-            check_parts(package)
-            recording = unpack(
-                package,
-                folder,
-                largest_bytes=state.settings.largest_unpacked_bytes,
-                largest_journal_bytes=LARGEST_JOURNAL_BYTES,
-            )
+            recording = unpacked(state, package, folder)
             _check(recording, who, digest)
             return state.store.put(recording, uploader=who.name)
         except UnavailableError:
@@ -82,6 +76,17 @@ def receive(state: State, who: Account, digest: str, package: IO[bytes]) -> Rece
             raise problem(
                 422, "package: holds numbers that are too large or values that are nested too deeply"
             ) from None
+
+
+def unpacked(state: State, package: IO[bytes], folder: Callable[[], Path]) -> Recording:
+    """The recording of a package, within the limits of the server; StoreError where it is none, or beyond them."""
+    check_parts(package)
+    return unpack(
+        package,
+        folder,
+        largest_bytes=state.settings.largest_unpacked_bytes,
+        largest_journal_bytes=LARGEST_JOURNAL_BYTES,
+    )
 
 
 def _told(error: StoreError, folders: Sequence[str]) -> StoreError:

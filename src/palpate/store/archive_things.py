@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -13,6 +13,7 @@ from sqlalchemy import select
 
 from palpate.store import schema
 from palpate.store.blobs import Blobs
+from palpate.store.chunks import chunks
 from palpate.store.content import entry_plain, to_json
 from palpate.store.decoding import entry_from
 from palpate.store.errors import DamagedError
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 __all__ = ["OBJECTS", "archived_thing", "objects_schema", "things_with", "write_things"]
 
 OBJECTS = "objects.parquet"
-AT_ONCE = 400
 
 
 @cache
@@ -59,9 +59,9 @@ def things_with(selection: Selection, episodes: Sequence[int]) -> list[int]:
     found = set(
         selection.connection.scalars(select(recordings.thing_id).where(recordings.id.in_(selection.rows())).distinct())
     )
-    for ids in _parts(episodes):
+    for ids in chunks(episodes):
         found.update(selection.connection.scalars(select(explored.thing_id).where(explored.id.in_(ids))))
-    for ids in _parts(sorted(found)):
+    for ids in chunks(sorted(found)):
         heads = select(things.merged_into).where(things.id.in_(ids), things.merged_into.is_not(None))
         found.update(selection.connection.scalars(heads))
     return sorted(found)
@@ -74,7 +74,7 @@ def write_things(selection: Selection, ids: Sequence[int], folder: Path, kept: B
 
     left: list[str] = []
     with ParquetWriter(folder / OBJECTS, objects_schema()) as writer:
-        for part in _parts(ids):
+        for part in chunks(ids):
             things = things_where(selection.connection, schema.things.c.id.in_(part))
             rows = [_row(_pictured(thing, selection, kept, left)) for thing in things]
             writer.write_table(pa.Table.from_pylist(rows, schema=objects_schema()))
@@ -94,11 +94,6 @@ def _pictured(thing: Thing, selection: Selection, kept: Blobs, left: list[str]) 
         else:
             images.append(image)
     return replace(thing, images=tuple(images))
-
-
-def _parts(ids: Sequence[int]) -> Iterator[Sequence[int]]:
-    """Rows, so many at a time that a database can be asked for them."""
-    return (ids[start : start + AT_ONCE] for start in range(0, len(ids), AT_ONCE))
 
 
 def _row(thing: Thing) -> dict[str, Any]:

@@ -9,10 +9,11 @@ from sqlalchemy import false, func, select
 
 from palpate.network.units import unit_of
 from palpate.store import schema
+from palpate.store.chunks import chunks
 from palpate.store.fetching import setup_of
-from palpate.store.inserting import CHUNK
 from palpate.store.legible import reading
 from palpate.store.store import Store
+from palpate.store.units import deciding_units
 from palpate.store.viewing import Viewer
 from palpate.store.visible_results import measured_by
 
@@ -46,8 +47,8 @@ def censored_of(store: Store, viewer: Viewer, properties: Collection[str]) -> Ma
     )
     names, found = list(properties), defaultdict[str, Censored](Counter)
     with reading(store.engine) as connection:
-        units = {row.name: row.unit for row in connection.execute(select(schema.properties))}
-        for part in (names[start : start + CHUNK] for start in range(0, len(names), CHUNK)):
+        units = deciding_units(connection)
+        for part in chunks(names):
             for row in connection.execute(asked.where(entries.property.in_(part))):
                 told = units.get(row.property)
                 if told is not None and unit_of(row.unit).dimension == unit_of(told).dimension:

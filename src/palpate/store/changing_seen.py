@@ -31,9 +31,8 @@ class ChangedMeanwhileError(StoreError):
 
 def version_of(thing: Thing) -> str:
     """What tells a description from any other."""
-    return sha256(to_json([[list(field), value] for field, value in fields_of(thing).items()]).encode()).hexdigest()[
-        :16
-    ]
+    said = to_json([[list(field), value] for field, value in fields_of(thing).items()])
+    return sha256(said.encode()).hexdigest()[:16]
 
 
 def change_seen(

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sqlalchemy import exists, func, select
+from sqlalchemy import func, select
 
 from palpate.store import schema
 from palpate.store.legible import reading
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
+from palpate.store.visible_setups import seen_grippers
 from palpate.store.visible_things import count_things
 
 __all__ = ["Counts", "counted"]
@@ -27,14 +28,8 @@ class Counts:
 
 def counted(store: Store, viewer: Viewer) -> Counts:
     """Count what somebody sees."""
-    recordings, episodes, setups = schema.recordings, schema.episodes, schema.setups.c
-    # there are few setups, and each has its recordings together
-    is_seen = exists().where(recordings.c.setup_id == setups.id, viewer.of(recordings))
-    asked = (
-        select(func.count()).select_from(recordings).where(viewer.of(recordings)),
-        select(func.count(setups.gripper.distinct())).where(is_seen),
-        select(func.count()).select_from(episodes).where(viewer.of(episodes)),
-    )
+    tables = (schema.recordings, schema.episodes)
+    asked = [select(func.count()).select_from(table).where(viewer.of(table)) for table in tables]
     with reading(store.engine) as connection:
-        found = [connection.scalar(one) or 0 for one in asked]
-    return Counts(found[0], count_things(store, viewer), found[1], found[2])
+        recordings, episodes = (connection.scalar(one) or 0 for one in asked)
+    return Counts(recordings, count_things(store, viewer), len(seen_grippers(store, viewer)), episodes)

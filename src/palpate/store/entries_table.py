@@ -10,6 +10,7 @@ from sqlalchemy import Connection, Select, select
 
 from palpate.store import schema
 from palpate.store.archive_rows import entries_schema
+from palpate.store.chunks import chunks
 from palpate.store.content import to_json
 from palpate.store.decoding import entry_from, moment_from
 from palpate.store.errors import DamagedError, IncompleteError
@@ -70,8 +71,8 @@ def entries_table(
     with reading(store.engine) as connection:
         units, batches = deciding_units(connection), []
         ids = connection.scalars(_ids_asked(wanted or Filter(), sort or Sort(), limit)).all()
-        for start in range(0, len(ids), AT_ONCE):
-            rows = _rows(connection, ids[start : start + AT_ONCE])
+        for some in chunks(ids, AT_ONCE):
+            rows = _rows(connection, some)
             lines = [line for row in rows for line in _whole(row, units, damaged)]
             batches.append(pyarrow.RecordBatch.from_pylist(lines, schema=columns))
     return pyarrow.Table.from_batches(batches, schema=columns)

@@ -16,13 +16,11 @@ from typing import Any
 from sqlalchemy import Engine, PoolProxiedConnection, Table
 from sqlalchemy.engine.interfaces import DBAPICursor
 
+from palpate.store.chunks import chunks
 from palpate.store.outages import outage
 from palpate.store.upload_order import DRAW
 
-__all__ = ["CHUNK", "Statements"]
-
-# SQLite takes so many parameters in one statement, and more
-CHUNK = 400
+__all__ = ["Statements"]
 
 
 class Statements:
@@ -93,16 +91,16 @@ class Statements:
         self, cursor: DBAPICursor, digests: Sequence[bytes], ids: Sequence[bytes]
     ) -> Iterator[tuple[bytes, bytes]]:
         """Id and digest of each recording that has one of these digests or one of these ids, as many of each."""
-        for start in range(0, len(digests), CHUNK):
-            part = (*digests[start : start + CHUNK], *ids[start : start + CHUNK])
+        for some, theirs in zip(chunks(digests), chunks(ids), strict=True):
+            part = (*some, *theirs)
             cursor.execute(_present(len(part) // 2, self._mark), part)
             yield from cursor.fetchall()
 
     def units(self, cursor: DBAPICursor, names: Sequence[str]) -> dict[str, str]:
         """Property to the unit that decides its dimension, for those of these names that have one."""
         found: dict[str, str] = {}
-        for start in range(0, len(names), CHUNK):
-            part = tuple(names[start : start + CHUNK])
+        for some in chunks(names):
+            part = tuple(some)
             cursor.execute(_units(len(part), self._mark), part)
             found.update(cursor.fetchall())
         return found

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from sqlalchemy import Boolean, ColumnElement, String, bindparam
+from sqlalchemy import Boolean, ColumnElement, String, bindparam, literal
 from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.compiler import SQLCompiler
 from sqlalchemy.sql.functions import FunctionElement
 
-__all__ = ["Holds", "HoldsLine", "HoldsText"]
+__all__ = ["Holds", "HoldsText", "holds_line"]
+
+END = literal("\n")
+"""Of a line."""
 
 
 class Holds(FunctionElement[bool]):
@@ -56,23 +59,6 @@ def _postgresql(element: HoldsText, compiler: SQLCompiler, **options: Any) -> st
     return f"(CAST({column} AS jsonb) ? {text})"
 
 
-class HoldsLine(FunctionElement[bool]):
+def holds_line(column: ColumnElement[str], line: ColumnElement[str]) -> ColumnElement[bool]:
     """Whether one of the lines of a text is this one, letter by letter."""
-
-    type = Boolean()
-    inherit_cache = True
-
-    def __init__(self, column: ColumnElement[str], line: ColumnElement[str]) -> None:
-        super().__init__(column, line)
-
-
-@compiles(HoldsLine, "sqlite")
-def _sqlite_line(element: HoldsLine, compiler: SQLCompiler, **options: Any) -> str:
-    column, line = (compiler.process(part, **options) for part in element.clauses)
-    return f"(instr(char(10) || {column} || char(10), char(10) || {line} || char(10)) > 0)"
-
-
-@compiles(HoldsLine, "postgresql")
-def _postgresql_line(element: HoldsLine, compiler: SQLCompiler, **options: Any) -> str:
-    column, line = (compiler.process(part, **options) for part in element.clauses)
-    return f"(strpos(chr(10) || {column} || chr(10), chr(10) || {line} || chr(10)) > 0)"
+    return Holds(END + column + END, END + line + END)

@@ -10,6 +10,7 @@ from sqlalchemy import ColumnElement, Connection, insert, or_, select, update
 from sqlalchemy.exc import DatabaseError, IntegrityError
 
 from palpate.store import schema
+from palpate.store.chunks import chunks
 from palpate.store.database import as_of_one_moment, writing
 from palpate.store.embargo import embargo_of, embargo_us
 from palpate.store.episodes import StoredEpisode, check_episode, episode_from
@@ -25,7 +26,6 @@ from palpate.store.store import Store
 __all__ = ["get_episode", "put_episode"]
 
 ATTEMPTS = 3
-CHUNK = 400
 AT_ONCE = 50
 Row = Mapping[Any, Any]
 
@@ -85,8 +85,8 @@ def get_episode(store: Store, key: UUID | str) -> StoredEpisode:
 
 def episodes_of(connection: Connection, ids: Sequence[int]) -> Iterator[StoredEpisode]:
     """The episodes of rows, in order, verified."""
-    for start in range(0, len(ids), AT_ONCE):
-        for row in episode_rows(connection, schema.episodes.c.id.in_(ids[start : start + AT_ONCE])):
+    for some in chunks(ids, AT_ONCE):
+        for row in episode_rows(connection, schema.episodes.c.id.in_(some)):
             yield stored_episode(row, documents_of(connection, row["id"]))
 
 
@@ -207,7 +207,7 @@ def recordings_of(connection: Connection, episode: StoredEpisode) -> Mapping[str
     columns = schema.recordings.c
     digests = [bytes.fromhex(step.recording) for step in episode.steps if step.recording is not None]
     found: dict[str, int] = {}
-    for start in range(0, len(digests), CHUNK):
-        asked = select(columns.digest, columns.id).where(columns.digest.in_(digests[start : start + CHUNK]))
+    for some in chunks(digests):
+        asked = select(columns.digest, columns.id).where(columns.digest.in_(some))
         found |= {row.digest.hex(): row.id for row in connection.execute(asked)}
     return found

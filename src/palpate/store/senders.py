@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from sqlalchemy import Engine, and_, func, not_, or_, select, text
+from sqlalchemy import Engine, func, not_, or_, select, text
 
 from palpate.store import schema
+from palpate.store.chunks import chunks
 from palpate.store.database import changing
-from palpate.store.embargo import is_over
 from palpate.store.filters import digest_bytes
 from palpate.store.registry import now_us
+from palpate.store.viewing import Viewer
 
 __all__ = ["note_sender"]
 
-CHUNK = 400
 NOTE = text("INSERT INTO senders (name, recording_id, sent_us) VALUES (:name, :row, :now) ON CONFLICT DO NOTHING")
 
 
@@ -27,14 +27,14 @@ def note_sender(engine: Engine, digests: Sequence[str], name: str) -> set[str]:
         Digests of those that were hidden from it until now: to the account they are new.
     """
     hidden = set[str]()
-    for start in range(0, len(digests), CHUNK):
-        hidden |= _noted(engine, digests[start : start + CHUNK], name)
+    for some in chunks(digests):
+        hidden |= _noted(engine, some, name)
     return hidden
 
 
 def _noted(engine: Engine, digests: Sequence[str], name: str) -> set[str]:
     columns, now = schema.recordings.c, now_us()
-    is_open = and_(columns.visibility.in_(("public", "lab")), is_over(schema.recordings, now))
+    is_open = Viewer(lab=True).of(schema.recordings)
     theirs = or_(func.coalesce(columns.owner, "") == name, func.coalesce(columns.uploaded_by, "") == name)
     asked = select(columns.id, columns.digest, is_open.label("is_open")).where(
         columns.digest.in_([digest_bytes(digest) for digest in digests]), not_(theirs)

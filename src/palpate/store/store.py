@@ -15,11 +15,12 @@ from sqlalchemy.exc import DatabaseError, DBAPIError
 from palpate.store import schema
 from palpate.store.blobs import Blobs
 from palpate.store.checks import check
+from palpate.store.chunks import chunks
 from palpate.store.database import writing
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.fetching import fetch, whole
 from palpate.store.implausible import implausible
-from palpate.store.inserting import CHUNK, Statements
+from palpate.store.inserting import Statements
 from palpate.store.legible import reading
 from palpate.store.outages import not_kept, patiently
 from palpate.store.records import Receipt, Recording
@@ -153,8 +154,8 @@ class Store:
     def _known(self, asked: Sequence[bytes]) -> set[str]:
         column, found = schema.recordings.c.digest, set[str]()
         with self.engine.connect() as connection:
-            for start in range(0, len(asked), CHUNK):
-                rows = connection.execute(select(column).where(column.in_(asked[start : start + CHUNK])))
+            for some in chunks(asked):
+                rows = connection.execute(select(column).where(column.in_(some)))
                 found.update(digest.hex() for digest in rows.scalars())
         return found
 

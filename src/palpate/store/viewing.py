@@ -23,7 +23,7 @@ from palpate.store.completing import ADDED, CHANGED, OF_ARCHIVES
 from palpate.store.content import to_json
 from palpate.store.embargo import is_over
 from palpate.store.filters import Filter, things_named
-from palpate.store.json_columns import Holds, HoldsLine
+from palpate.store.json_columns import Holds, holds_line
 from palpate.store.registry import now_us
 
 __all__ = ["Viewer", "VisibleFilter"]
@@ -80,7 +80,7 @@ class Viewer:
         things, recordings, audit = schema.things.c, schema.recordings, schema.audit.c
         if self.everything:
             return true()
-        line = HoldsLine(recordings.c.words, literal(name.casefold()))
+        line = holds_line(recordings.c.words, literal(name.casefold()))
         said = exists().where(recordings.c.thing_id == things.id, self.of(recordings), line)
         by_person = exists().where(
             audit.thing_id == things.id, self.hears(), audit.detail.contains(to_json(name), autoescape=True)

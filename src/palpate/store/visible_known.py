@@ -8,6 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from sqlalchemy import select, tuple_
 
 from palpate.store import schema
+from palpate.store.chunks import chunks
 from palpate.store.legible import reading
 from palpate.store.store import Store
 from palpate.store.things import Known, known_of
@@ -16,7 +17,7 @@ from palpate.store.viewing import Viewer
 __all__ = ["known_of_merged"]
 
 Name = tuple[str, str]
-CHUNK = 200
+AT_ONCE = 200
 
 
 def known_of_merged(store: Store, viewer: Viewer, heads: Collection[Name]) -> Mapping[Name, Sequence[Known]]:
@@ -35,7 +36,7 @@ def known_of_merged(store: Store, viewer: Viewer, heads: Collection[Name]) -> Ma
     )
     ordered, found = sorted(heads), defaultdict[Name, list[Known]](list)
     with reading(store.engine) as connection:
-        for some in (ordered[start : start + CHUNK] for start in range(0, len(ordered), CHUNK)):
+        for some in chunks(ordered, AT_ONCE):
             for row in connection.execute(asked.where(tuple_(head.c.dataset, head.c.name).in_(some))).mappings():
                 found[row["of_dataset"], row["of_name"]].append(known_of(row, row))
     return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import datetime
 from functools import lru_cache
 from typing import Any
 from uuid import UUID
@@ -14,13 +14,14 @@ from sqlalchemy import ColumnElement, Connection, Select, and_, func, select
 
 from palpate.network.units import unit_of
 from palpate.store import schema
+from palpate.store.chunks import chunks
 from palpate.store.fetching import setup_of
-from palpate.store.inserting import CHUNK
 from palpate.store.legible import reading
 from palpate.store.records import Setup, ThingRef
-from palpate.store.rows import EPOCH
+from palpate.store.rows import moment_at
 from palpate.store.store import Store
 from palpate.store.texts import LARGEST_SI
+from palpate.store.units import deciding_units
 from palpate.store.viewing import Viewer
 from palpate.store.visible_things import rows_of
 
@@ -90,9 +91,8 @@ def groups_of(store: Store, viewer: Viewer, properties: Collection[str]) -> Mapp
     setups, things = schema.setups, schema.things
     names, found = list(properties), defaultdict[str, list[Group]](list)
     with reading(store.engine) as connection:
-        every = connection.execute(select(schema.properties.c.name, schema.properties.c.unit))
-        units = {name: unit for name, unit in every if name in properties}
-        for part in (names[start : start + CHUNK] for start in range(0, len(names), CHUNK)):
+        units = deciding_units(connection)
+        for part in chunks(names):
             groups = _groups(viewer, part).subquery()
             asked = (
                 select(groups, setups.c.digest, setups.c.document, things.c.dataset, things.c.name)
@@ -154,7 +154,7 @@ def _results(connection: Connection, viewer: Viewer, things: Mapping[int, tuple[
         .where(recordings.c.thing_id.in_(things), viewer.of(recordings))
         .order_by(recordings.c.recorded_us, recordings.c.id, entries.position)
     )
-    units = {row.name: row.unit for row in connection.execute(select(schema.properties))}
+    units = deciding_units(connection)
     rows = connection.execute(asked).all()
     named = _names_of_setups(connection, {row.setup_id for row in rows})
     scale_of = lru_cache(_scale)
@@ -166,7 +166,7 @@ def _results(connection: Connection, viewer: Viewer, things: Mapping[int, tuple[
         value, sd, low, high = (_told(one, scale) for one in values)
         yield Result(
             recording=UUID(bytes=uuid),
-            recorded_at=EPOCH + timedelta(microseconds=at_us),
+            recorded_at=moment_at(at_us),
             action=action,
             ground_truth=bool(truth),
             dataset=things[thing][0],

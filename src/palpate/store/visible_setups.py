@@ -13,6 +13,7 @@ from palpate.store.legible import reading
 from palpate.store.records import Device, Setup
 from palpate.store.seals import checked_document
 from palpate.store.store import Store
+from palpate.store.units import deciding_units
 from palpate.store.viewing import Viewer
 
 __all__ = [
@@ -88,6 +89,7 @@ def seen_devices(store: Store, viewer: Viewer) -> tuple[SeenDevice, ...]:
 def seen_grippers(store: Store, viewer: Viewer) -> tuple[str, ...]:
     """Names of all grippers with which something was measured that is seen."""
     setups, recordings = schema.setups.c, schema.recordings
+    # there are few setups, and each has its recordings together
     is_seen = exists().where(recordings.c.setup_id == setups.id, viewer.of(recordings))
     asked = select(setups.gripper).where(setups.gripper.is_not(None), is_seen).distinct()
     with reading(store.engine) as connection:
@@ -103,7 +105,7 @@ def seen_properties(store: Store, viewer: Viewer) -> tuple[SeenProperty, ...]:
         is_seen = exists().select_from(result).where(entries.property == names.c.name, viewer.of(recordings))
         asked = asked.where(is_seen)
     with reading(store.engine) as connection:
-        units = {row.name: row.unit for row in connection.execute(select(schema.properties))}
+        units = deciding_units(connection)
         found = sorted(connection.scalars(asked))
     return tuple(SeenProperty(name, units.get(name)) for name in found)
 

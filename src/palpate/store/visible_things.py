@@ -12,6 +12,7 @@ from sqlalchemy import ColumnElement, Connection, Select, exists, func, or_, sel
 
 from palpate.store import schema
 from palpate.store.audit import MERGED
+from palpate.store.chunks import chunks
 from palpate.store.completing import ADDED, CHANGED
 from palpate.store.content import to_json
 from palpate.store.describing import Fields, fields_of
@@ -34,7 +35,7 @@ __all__ = [
     "visible_thing",
 ]
 
-CHUNK = 200
+AT_ONCE = 200
 
 
 @dataclass(frozen=True)
@@ -127,13 +128,10 @@ def list_visible_things(
     name = (columns.dataset, columns.name)
     by_name = asked.with_only_columns(columns.id, *name).order_by(*name).limit(limit)
     with reading(store.engine) as connection:
-        rows = connection.execute(by_name).all()
-        named = {
-            (one.ref.dataset, one.ref.id): one
-            for one in things_where(connection, columns.id.in_([row for row, _, _ in rows]))
-        }
-        found = [named[dataset, name] for _, dataset, name in rows]
-        seen = _as_seen(connection, viewer, found)
+        keys = {(dataset, name): row for row, dataset, name in connection.execute(by_name)}
+        named = {(one.ref.dataset, one.ref.id): one for one in things_where(connection, columns.id.in_(keys.values()))}
+        found = [named[name] for name in keys]
+        seen = _as_seen(connection, viewer, keys, found)
     end = _cursor(found[-1].ref) if found and len(found) == limit else None
     return ThingPage(tuple(seen), end)
 
@@ -149,7 +147,7 @@ def visible_thing(store: Store, viewer: Viewer, dataset: str, name: str) -> Thin
     seen = or_(viewer.things(), schema.things.c.id.in_(viewer.heads()))
     with reading(store.engine) as connection:
         found = list(things_where(connection, is_thing(ThingRef(dataset, name)) & seen))
-        return next(iter(_as_seen(connection, viewer, found)), None)
+        return next(iter(_as_seen(connection, viewer, _keys(connection, found), found)), None)
 
 
 def is_all_theirs(store: Store, name: str, thing: ThingRef) -> bool:
@@ -186,11 +184,12 @@ def _asked(viewer: Viewer, wanted: ThingFilter) -> Select[int]:
     return select(columns.id).where(*shown, *wanted.conditions(viewer))
 
 
-def _as_seen(connection: Connection, viewer: Viewer, found: Sequence[Thing]) -> list[Thing]:
+def _as_seen(
+    connection: Connection, viewer: Viewer, keys: Mapping[tuple[str, str], int], found: Sequence[Thing]
+) -> list[Thing]:
     """Objects with what is merged into them and with their numbers of recordings as a viewer sees them."""
     if viewer.everything:
         return list(found)
-    keys = _keys(connection, found)
     things, recordings = schema.things.c, schema.recordings
     parts = select(things.id, things.merged_into, things.dataset, things.name, viewer.things())
     heads, seen = {key: key for key in keys.values()}, dict[int, set[tuple[str, str]]]()
@@ -264,7 +263,7 @@ def things_by_name(store: Store, viewer: Viewer, names: Collection[tuple[str, st
     seen = or_(viewer.things(), columns.id.in_(viewer.heads()))
     ordered, found = sorted(names), dict[tuple[str, str], Thing]()
     with reading(store.engine) as connection:
-        for part in (ordered[start : start + CHUNK] for start in range(0, len(ordered), CHUNK)):
+        for part in chunks(ordered, AT_ONCE):
             condition = tuple_(columns.dataset, columns.name).in_(part) & seen
             things = list(things_where(connection, condition))
             for thing in _as_known(connection, viewer, _keys(connection, things), things):

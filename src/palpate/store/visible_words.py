@@ -15,8 +15,9 @@ from typing import Any
 from sqlalchemy import Connection, exists, func, literal, not_, select
 
 from palpate.store import schema
+from palpate.store.chunks import chunks
 from palpate.store.content import to_json
-from palpate.store.json_columns import HoldsLine
+from palpate.store.json_columns import holds_line
 from palpate.store.records import ThingRef
 from palpate.store.viewing import Viewer
 
@@ -24,7 +25,6 @@ __all__ = ["Part", "hidden_parts", "of_mixed", "seen_names", "seen_refs", "unsai
 
 Part = tuple[tuple[str, ...], str]
 """Where a part of a description stands, and what it says, as JSON."""
-CHUNK = 400
 
 
 def seen_refs(connection: Connection, viewer: Viewer, things: Mapping[int, ThingRef]) -> Mapping[int, ThingRef]:
@@ -59,9 +59,9 @@ def seen_names(connection: Connection, viewer: Viewer, names: Mapping[int, str |
     named = exists().where(
         recordings.c.thing_id == things.id,
         viewer.of(recordings),
-        HoldsLine(recordings.c.words, func.lower(things.common_name)),
+        holds_line(recordings.c.words, func.lower(things.common_name)),
     )
-    for some in _chunks(doubtful):
+    for some in chunks(doubtful):
         said = set(connection.scalars(select(things.id).where(things.id.in_(some), named)))
         doubtful = [row for row in doubtful if row not in said]
     # a database knows fewer small letters
@@ -92,7 +92,7 @@ def _without(ref: ThingRef, parts: Collection[Part]) -> ThingRef:
 def unsaid(connection: Connection, viewer: Viewer, parts: Mapping[int, set[Part]]) -> dict[int, set[Part]]:
     """Those parts, by rows of objects, that no person has said to a viewer."""
     audit, left = schema.audit.c, {row: set(some) for row, some in parts.items()}
-    for some in _chunks([row for row, one in parts.items() if one]):
+    for some in chunks([row for row, one in parts.items() if one]):
         heard = (audit.thing_id.in_(some), viewer.hears())
         for row, detail in connection.execute(select(audit.thing_id, audit.detail).where(*heard)):
             left[row] -= {(tuple(one["field"]), to_json(one["after"])) for one in _changes(detail) if "after" in one}
@@ -117,7 +117,7 @@ def _is_in_words(connection: Connection, viewer: Viewer, row: int, part: Part) -
     asked = exists().where(
         recordings.c.thing_id == row,
         viewer.of(recordings),
-        HoldsLine(recordings.c.words, literal(str(json.loads(said)).casefold())),
+        holds_line(recordings.c.words, literal(str(json.loads(said)).casefold())),
     )
     return bool(connection.scalar(select(asked)))
 
@@ -125,11 +125,7 @@ def _is_in_words(connection: Connection, viewer: Viewer, row: int, part: Part) -
 def of_mixed(connection: Connection, viewer: Viewer, rows: Sequence[int]) -> set[int]:
     """Rows of those objects with which something was done that is not seen."""
     things, found = schema.things.c, set[int]()
-    for some in _chunks(rows):
+    for some in chunks(rows):
         asked = select(things.id).where(things.id.in_(some), not_(viewer.sees_all()))
         found.update(connection.scalars(asked))
     return found
-
-
-def _chunks(rows: Sequence[int]) -> Iterator[Sequence[int]]:
-    return (rows[start : start + CHUNK] for start in range(0, len(rows), CHUNK))

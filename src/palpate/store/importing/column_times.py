@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from palpate.network.units import factor
 from palpate.store.errors import StoreError
 from palpate.store.importing.csv_table import CsvTable
+from palpate.store.rows import EPOCH, moment_at
 
 __all__ = ["FileTime", "Moment", "MomentColumn", "MomentInName", "TimeColumn", "TimeForm", "groups_in_name"]
 
 UNIX = "unix"
 """A form of time: seconds since 1970."""
-EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 
 class Moment(Protocol):
@@ -110,7 +110,7 @@ class FileTime:
     def moment(self, table: CsvTable, notices: list[str]) -> datetime:
         """The time of the file."""
         notices.append("the time is that of the last change of the file, as nothing else tells it")
-        return EPOCH + timedelta(microseconds=table.file.stat().st_mtime_ns // 1000)
+        return moment_at(table.file.stat().st_mtime_ns // 1000)
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,11 @@ from collections.abc import Iterable
 from sqlalchemy import select
 
 from palpate.store import schema
+from palpate.store.chunks import chunks
 from palpate.store.legible import reading
 from palpate.store.store import Store
 
 __all__ = ["Presence"]
-
-CHUNK = 400
 
 
 class Presence:
@@ -43,8 +42,8 @@ class Presence:
         recordings, series, files = schema.recordings.c, schema.series.c, schema.files.c
         found: list[tuple[str, bytes]] = []
         with reading(self.store.engine) as connection:
-            for start in range(0, len(digests), CHUNK):
-                these = recordings.digest.in_([bytes.fromhex(one) for one in digests[start : start + CHUNK]])
+            for some in chunks(digests):
+                these = recordings.digest.in_([bytes.fromhex(one) for one in some])
                 for asked in (
                     select(recordings.digest, series.blob).join(schema.series, series.recording_id == recordings.id),
                     select(recordings.digest, files.blob).join(schema.files, files.recording_id == recordings.id),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime
 
 from palpate.errors import choices, near
 from palpate.store.errors import StoreError
@@ -15,10 +15,10 @@ from palpate.store.importing.bags.packets import LATEST_NS, translated
 from palpate.store.importing.bags.reading import Reading
 from palpate.store.importing.bags.topics import Posed, TopicMap
 from palpate.store.records import Channel, Pose, Recording, Series, ThingRef
+from palpate.store.rows import moment_at
 
 __all__ = ["Making"]
 
-EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 BEFORE_BAGS = datetime(2007, 1, 1, tzinfo=UTC)
 """Before there was ROS: a clock that says so is that of a simulation."""
 
@@ -59,7 +59,7 @@ class Making:
         self._refuse_missing(found, span)
         # recordings know microseconds, and their time stamps count from there
         start_ns = span.start_ns // 1000 * 1000
-        recorded_at = EPOCH + timedelta(microseconds=start_ns // 1000)
+        recorded_at = moment_at(start_ns // 1000)
         action = span.cut.action or self._map.action
         if self._map.action_from and not span.cut.action:
             action = self._reading.text(self._map.action_from, span)
@@ -114,7 +114,7 @@ class Making:
 
 def _place(span: Span) -> str:
     """Which recording, where there are several."""
-    return "" if span.stop_ns > LATEST_NS else f"up to {EPOCH + timedelta(microseconds=span.stop_ns // 1000):%F %T} "
+    return "" if span.stop_ns > LATEST_NS else f"up to {moment_at(span.stop_ns // 1000):%F %T} "
 
 
 def _pose(found: Gathered, of: Posed) -> Pose | None:
