@@ -150,12 +150,18 @@ def test_by_forms(client: TestClient, store: Store) -> None:
 
     assert (
         send(do="describe", common_name="blue cup", maker="", aliases=" a, b \r\n\r\n c").headers["location"]
-        == "/objects/lab/cup"
+        == "/objects/lab/cup?saved=describe"
     )
+    assert "The description was saved." in client.get("/objects/lab/cup?saved=describe", headers=host).text
+    assert "<script" not in client.get("/objects/lab/cup?saved=<script", headers=host).text.partition("<main")[2]
     assert find_thing(store, "lab/cup").ref.aliases == ("a, b", "c")
     assert send(do="know", property="mass", value="118", sd="1", unit="g", source="our scale").status_code == 303
     assert send(do="know", property="material", value="ceramic", unit="", sd="", source="eye").status_code == 303
     assert len(find_thing(store, "lab/cup").known) == 2
+    again = send(do="know", property="mass", value="119", sd="1", unit="g", source="our scale")
+    assert again.headers["location"].endswith("?saved=replaced")
+    assert "in place of what the same source said" in client.get(again.headers["location"], headers=host).text
+    assert "replaced" in client.get(page, headers=host).text
     wrong = send(do="know", property="mass", value="heavy", sd="", unit="g", source="guess")
     assert wrong.status_code == 422
     assert "expected a number" in wrong.text

@@ -100,6 +100,7 @@ def test_every_page_of_the_example(client: TestClient, store: Store) -> None:
         "/compare/table.csv",
         "/guides/api",
         "/guides/watch",
+        "/guides/accounts",
         "step=",
     ):
         assert any(part in address for address in seen), part
@@ -141,6 +142,13 @@ def test_an_objects_page_has_each_value_against_the_truth(client: TestClient, st
     table = client.get("/compare/table.csv?property=mass").text.splitlines()
     assert table[1].split(",")[:5] == ["left", "lab", "cup", "g", "2"]
     assert [float(line.rsplit(",", 1)[1]) for line in table[1:]] == pytest.approx([-8.0, 8.0])
+
+
+def test_what_the_service_has_is_told_without_marks(client: TestClient) -> None:
+    """Names in descriptions are set as code."""
+    told = client.get("/guides/api").text
+    assert "`" not in told
+    assert "<code>~2f</code>" in told
 
 
 def test_errors_are_pages_for_people(client: TestClient) -> None:

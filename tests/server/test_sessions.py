@@ -78,7 +78,7 @@ def test_who_is_logged_in_by_password_is_not_told_of_tokens(client: TestClient, 
     assert log_in(client) == 303
     page = {"Accept": "text/html"}
     refused = client.get("/upload", headers=page)
-    assert (refused.status_code, "your account is that of a reader" in refused.text) == (403, True)
+    assert (refused.status_code, "your account is that of a reader, expected owner" in refused.text) == (403, True)
     assert "token" not in refused.text
     odd = client.get("/recordings?pages=2", headers=page)
     assert (odd.status_code, "pages: is not known here" in odd.text) == (422, True)

@@ -11,7 +11,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
 from palpate.server.api.parameters import SeenThing, StoreOf, seen_thing
 from palpate.server.corrections import Corrections
-from palpate.server.pages.templates import page
+from palpate.server.pages.templates import page, search
 from palpate.server.problems import ProblemError, problem
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.sites import form_of
@@ -55,7 +55,14 @@ async def change(request: Request, store: StoreOf, who: Owner, thing: SeenThing)
         elif status != 422:
             raise
         return await run_in_threadpool(_page, request, corrections, fields, told, status)
-    return RedirectResponse(request.url.path.removesuffix("/edit"), 303)
+    return RedirectResponse(search(request.url.path.removesuffix("/edit"), saved=_saved(corrections, fields)), 303)
+
+
+def _saved(corrections: Corrections, fields: Fields) -> str:
+    """The word for what was done, by what was known before it."""
+    told = fields["do"], fields.get("property", ""), fields.get("source", "")
+    before = {("know", one.entry.property, one.source) for one in corrections.thing.known}
+    return "replaced" if told in before else fields["do"]
 
 
 def _page(

@@ -17,6 +17,7 @@ from palpate.server.api.queries import ObjectQuery, Text
 from palpate.server.corrections import may_change
 from palpate.server.names import thing_address
 from palpate.server.pages.others import Alike, alike
+from palpate.server.pages.saved import saved
 from palpate.server.pages.shown import Dark, Shown, figure, shown
 from palpate.server.pages.templates import page
 from palpate.server.plots.final_beliefs import beliefs_plot
@@ -91,6 +92,7 @@ def one(request: Request, store: StoreOf, who: Who, thing: SeenThing) -> HTMLRes
         request,
         "object.html",
         thing=thing,
+        saved=saved(request),
         may_change=may_change(store, who, thing.ref),
         properties=[_about(name, results, thing) for name in names],
         beliefs=list(_believed(store, who, thing)),

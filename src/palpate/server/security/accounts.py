@@ -34,6 +34,11 @@ class Role(IntEnum):
     CURATOR = 3
     ADMIN = 4
 
+    @property
+    def with_article(self) -> str:
+        """In a sentence: "a reader", "an owner"."""
+        return f"{'an' if self.name[0] in 'AO' else 'a'} {self.name.lower()}"
+
     @classmethod
     def parse(cls, text: str) -> Role:
         """The role of a name.

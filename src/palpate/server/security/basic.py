@@ -38,7 +38,7 @@ def basic_owner(request: Request) -> Account:
     name, secret = _given(request)
     who = _found(request, name, secret)
     if who.role < Role.OWNER:
-        raise problem(403, f"this account is a {who.role.name.lower()}, expected owner or more")
+        raise problem(403, f"this account is {who.role.with_article}, expected owner or more")
     return who
 
 

@@ -8,6 +8,7 @@ import threading
 from hashlib import scrypt
 from hmac import compare_digest
 
+from palpate.errors import plural
 from palpate.store.errors import StoreError
 
 __all__ = ["hashed", "is_password"]
@@ -35,7 +36,7 @@ def hashed(password: str) -> str:
     (True, False)
     """
     if not SHORTEST <= len(password) <= LONGEST:
-        raise StoreError(f"password: has {len(password)} characters, expected {SHORTEST} to {LONGEST}")
+        raise StoreError(f"password: is {plural(len(password), 'character')} long, expected {SHORTEST} to {LONGEST}")
     salt = secrets.token_bytes(16)
     made = _made(password, salt, LOG_COST, BLOCK, PARALLEL)
     parts = (base64.b64encode(one).decode() for one in (salt, made))

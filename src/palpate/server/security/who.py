@@ -64,7 +64,7 @@ def needs(role: Role) -> Callable[..., Awaitable[Account]]:
             )
         if who.role < role:
             by = "this token is for" if "authorization" in request.headers else "your account is that of"
-            raise problem(403, f"{by} a {who.role.name.lower()}, expected {role.name.lower()} or more")
+            raise problem(403, f"{by} {who.role.with_article}, expected {role.name.lower()} or more")
         return who
 
     return checked
