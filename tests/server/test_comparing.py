@@ -4,6 +4,7 @@ import re
 
 from fastapi.testclient import TestClient
 
+from palpate.server.plots.colours import page_colours
 from palpate.store.describing import change_thing
 from palpate.store.entries import Bound, Entry, FailedEntry, Interval, Value
 from palpate.store.records import Device, Recording, Setup, ThingRef
@@ -39,8 +40,35 @@ def test_a_device_has_one_colour_on_a_page(client: TestClient, store: Store) -> 
     assert {int(one) for one in re.findall(r'class="curve c(\d)"', alone)} == {colours["right"]}
     address = re.findall(r'data-figure="(/compare/curves[^"]*)"', alone)[0].replace("&amp;", "&")
     assert f"colour={colours['right']}" in address
-    first = client.get(address.replace("colour=2", "colour=0")).text
-    assert ("#1b7837" in client.get(address).text, "#1b7837" in first) == (True, False)
+    drawn = page_colours(dark=False)[f"c{colours['right']}"]
+    other = client.get(address.replace(f"colour={colours['right']}", "colour=7")).text
+    assert (drawn in client.get(address).text, drawn in other) == (True, False)
+
+
+def test_a_device_keeps_its_colour_from_page_to_page_and_when_others_come(client: TestClient, store: Store) -> None:
+    """On the object's page, where not all devices are, in the comparison, and after devices that sort before it."""
+    other = ThingRef("lab", "mug")
+    store.put(measured(0, "left", other))
+    store.put_many([measured(1, "right"), measured(2, "middle")])
+
+    def colour_of(name: str) -> set[int]:
+        for thing in (CUP, other):
+            change_thing(store, thing, lambda thing: thing.knowing(Value("mass", 10.0, unit="g"), "a scale"))
+        errors = client.get("/compare?property=mass").text
+        found = re.findall(rf'class="dot c(\d)"><title>{name}:', errors)
+        devices = re.findall(r'class="dot c(\d)"/></svg> (\w+)</td>', errors)
+        page = client.get("/objects/lab/cup").text
+        mean = re.findall(r'class="mean c(\d)"', page)
+        rows = re.findall(r'<text[^>]*class="name"[^>]*>(\w+)<', page)
+        found += [colour for colour, device in devices if device == name]
+        found += [colour for device, colour in zip(rows, mean, strict=True) if device == name]
+        return {int(one) for one in found}
+
+    before = colour_of("right")
+    assert len(before) == 1
+    store.put(measured(3, "another"))
+    assert colour_of("right") == before
+    assert colour_of("another") != before
 
 
 def test_of_more_than_eight_eight_are_drawn_and_all_stay_ticked(client: TestClient, store: Store) -> None:

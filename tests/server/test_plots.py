@@ -325,7 +325,7 @@ def test_points_are_where_their_values_are() -> None:
         )
         for value in (10.0, 14.0, 20.0)
     ]
-    found = points_plot("mass", results, [(15.0, "scale")])
+    found = points_plot("mass", results, [(15.0, "scale")], {"arm": 0})
     plot = drawn(found)
     x = [float(one) for one in re.findall(r'cx="([\d.]+)"', plot)]
     assert x == sorted(x)
@@ -340,7 +340,7 @@ def test_points_are_where_their_values_are() -> None:
     source = next(one for one in columns(figure_json(found, dark=False)) if "low" in one)
     assert list(source["x"]) == [10.0, 14.0, 20.0]
     assert list(source["high"]) == [12.0, 16.0, 22.0]
-    assert points_plot("mass", [], [(15.0, "scale")]) is None
+    assert points_plot("mass", [], [(15.0, "scale")], {}) is None
 
 
 def test_squeezes_are_laid_over_each_other_with_their_contacts_at_0() -> None:

@@ -15,14 +15,13 @@ from palpate.server.api.parameters import StoreOf
 from palpate.server.api.queries import Text
 from palpate.server.api.series import cell_text
 from palpate.server.benchmark import Agreement, agreements
-from palpate.server.pages.overlays import Choice, choices_of, laid_over
+from palpate.server.pages.colours import colours_of
+from palpate.server.pages.overlays import choices_of, laid_over
 from palpate.server.pages.shown import Dark, figure, shown
 from palpate.server.pages.templates import page, search
 from palpate.server.plots.errors import errors_plot
 from palpate.server.security.who import Who
 from palpate.store.records import ThingRef
-from palpate.store.store import Store
-from palpate.store.viewing import Viewer
 from palpate.store.visible_results import results_of
 from palpate.store.visible_setups import seen_properties
 
@@ -49,7 +48,14 @@ def compare(request: Request, store: StoreOf, who: Who, asked: Annotated[Asked, 
     found = None if name is None else agreements(store, who.viewer, name)
     things = {} if found is None else {"/".join(cell.key): cell.key for cell in found.cells}
     thing = things.get(asked.object or "")
-    choices = [] if thing is None or found is None else _choices(store, who.viewer, thing, found, asked.recording)
+    own = (
+        []
+        if thing is None
+        else [one for one in results_of(store, who.viewer, ThingRef(*thing)) if one.property == name]
+    )
+    devices = {one.measured_by for one in own} | {one.device for one in (found.devices if found else ())}
+    colours = colours_of(store, devices)
+    choices = choices_of(own, asked.recording, colours)
     chosen = {one.recording: one.colour for one in choices if one.colour is not None}
     laid = laid_over(store, who.viewer, chosen) if chosen else None
     return page(
@@ -64,22 +70,18 @@ def compare(request: Request, store: StoreOf, who: Who, asked: Annotated[Asked, 
         choices=choices,
         not_drawn=sum(one.ticked and one.colour is None for one in choices),
         laid=laid,
-        plot=None if found is None else shown(errors_plot(found), search("/compare/plot.json", property=name or "")),
+        colours=colours,
+        plot=None
+        if found is None
+        else shown(errors_plot(found, colours), search("/compare/plot.json", property=name or "")),
     )
-
-
-def _choices(
-    store: Store, viewer: Viewer, thing: tuple[str, str], found: Agreement, chosen: list[UUID]
-) -> list[Choice]:
-    own = [one for one in results_of(store, viewer, ThingRef(*thing)) if one.property == found.property]
-    # a device has the colour here that it has in the table and the plot of errors
-    return choices_of(own, chosen, [one.device for one in found.devices])
 
 
 @router.get("/plot.json")
 def plot(store: StoreOf, who: Who, property: Text, dark: Dark = False) -> Response:
     """The figure of the errors of devices in one property."""
-    return figure(errors_plot(agreements(store, who.viewer, property)), dark=dark)
+    found = agreements(store, who.viewer, property)
+    return figure(errors_plot(found, colours_of(store, {one.device for one in found.devices})), dark=dark)
 
 
 @router.get("/table.csv")

@@ -12,11 +12,14 @@ from fastapi.responses import HTMLResponse, Response
 from palpate.server.api.parameters import StoreOf
 from palpate.server.api.queries import Text
 from palpate.server.benchmark import DeviceError, agreements, agreements_with_truth
+from palpate.server.pages.colours import colours_of
 from palpate.server.pages.shown import Dark, Shown, figure, shown
 from palpate.server.pages.templates import page, search
+from palpate.server.plots.device_colours import device_colours
 from palpate.server.plots.errors import errors_plot
 from palpate.server.problems import problem
 from palpate.server.security.who import Who
+from palpate.store.device_order import device_names
 from palpate.store.listing import list_recordings
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer, VisibleFilter
@@ -57,7 +60,9 @@ def device(request: Request, store: StoreOf, who: Who, digest: Digest) -> HTMLRe
 def errors(store: StoreOf, who: Who, digest: Digest, property: Text, dark: Dark = False) -> Response:
     """The figure of the errors of a device in one property."""
     found, _ = _device(store, who.viewer, digest)
-    return figure(errors_plot(agreements(store, who.viewer, property), found.device.name), dark=dark)
+    compared = agreements(store, who.viewer, property)
+    colours = colours_of(store, {one.device for one in compared.devices})
+    return figure(errors_plot(compared, colours, found.device.name), dark=dark)
 
 
 @router.get("/setups/{digest}")
@@ -83,11 +88,13 @@ def _device(store: Store, viewer: Viewer, digest: str) -> tuple[SeenDevice, list
 
 def _errors(store: Store, viewer: Viewer, found: SeenDevice) -> Iterator[Errors]:
     """In each property of which a true value is known; by the name, so that all calibrations count."""
-    drawn = 0
+    drawn, order = 0, device_names(store)
     for compared in agreements_with_truth(store, viewer):
         for error in compared.devices:
             if error.device == found.device.name and (error.known or error.left_out):
                 address = search(f"/devices/{found.digest}/errors.json", property=compared.property)
-                plot = shown(errors_plot(compared, error.device), address) if drawn < MOST_PLOTS else None
+                colours = device_colours(order, {one.device for one in compared.devices})
+                drawing = errors_plot(compared, colours, error.device) if drawn < MOST_PLOTS else None
+                plot = shown(drawing, address)
                 drawn += plot is not None
                 yield Errors(compared.property, compared.unit, error, plot)

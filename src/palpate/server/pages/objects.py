@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated
 from urllib.parse import urlencode
@@ -16,6 +16,7 @@ from palpate.server.api.parameters import SeenThing, StoreOf
 from palpate.server.api.queries import ObjectQuery, Text
 from palpate.server.corrections import may_change
 from palpate.server.names import thing_address
+from palpate.server.pages.colours import colours_of
 from palpate.server.pages.others import Alike, alike
 from palpate.server.pages.saved import saved
 from palpate.server.pages.shown import Dark, Shown, figure, shown
@@ -87,6 +88,7 @@ def one(request: Request, store: StoreOf, who: Who, thing: SeenThing) -> HTMLRes
     """All that was measured of an object."""
     thing = _as_counted(store, who.viewer, thing)
     results = results_of(store, who.viewer, thing.ref)
+    colours = colours_of(store, {result.measured_by for result in results})
     names = dict.fromkeys(result.property for result in results if result.property is not None)
     return page(
         request,
@@ -94,7 +96,7 @@ def one(request: Request, store: StoreOf, who: Who, thing: SeenThing) -> HTMLRes
         thing=thing,
         saved=saved(request),
         may_change=may_change(store, who, thing.ref),
-        properties=[_about(name, results, thing) for name in names],
+        properties=[_about(name, results, thing, colours) for name in names],
         beliefs=list(_believed(store, who, thing)),
         recordings=list_recordings(store, VisibleFilter(thing=thing.path, viewer=who.viewer), limit=20),
         episodes=list_episodes(store, thing=thing.path, viewer=who.viewer, limit=10).rows,
@@ -119,8 +121,10 @@ def _proposals(store: Store, viewer: Viewer, thing: Thing) -> list[Head]:
 @router.get("/{dataset}/{name}/plot.json")
 def points(store: StoreOf, who: Who, thing: SeenThing, property: Text, dark: Dark = False) -> Response:
     """The figure of all values of one property."""
-    own = [result for result in results_of(store, who.viewer, thing.ref) if result.property == property]
-    return figure(_points(property, own, _as_counted(store, who.viewer, thing)), dark=dark)
+    every = results_of(store, who.viewer, thing.ref)
+    own = [result for result in every if result.property == property]
+    colours = colours_of(store, {result.measured_by for result in every})
+    return figure(_points(property, own, _as_counted(store, who.viewer, thing), colours), dark=dark)
 
 
 @router.get("/{dataset}/{name}/beliefs.json")
@@ -130,17 +134,17 @@ def beliefs(store: StoreOf, who: Who, thing: SeenThing, property: Text, dark: Da
     return figure(_beliefs_plot(property, found, _as_counted(store, who.viewer, thing)), dark=dark)
 
 
-def _about(name: str, results: Sequence[Result], thing: Thing) -> About:
+def _about(name: str, results: Sequence[Result], thing: Thing, colours: Mapping[str, int]) -> About:
     own = [result for result in results if result.property == name]
     labels = Counter(result.label for result in own if result.label is not None)
     others = [result for result in own if result.value is None and result.label is None]
-    plot = shown(_points(name, own, thing), _figure(thing, "plot", name))
+    plot = shown(_points(name, own, thing, colours), _figure(thing, "plot", name))
     return About(name, plot, labels.most_common(), alike(others), len(others), len(own))
 
 
-def _points(name: str, own: Sequence[Result], thing: Thing) -> Plot | None:
+def _points(name: str, own: Sequence[Result], thing: Thing, colours: Mapping[str, int]) -> Plot | None:
     unit = next((result.unit for result in own if result.unit is not None), None)
-    return points_plot(name, own, _truths(name, unit, thing))
+    return points_plot(name, own, _truths(name, unit, thing), colours)
 
 
 def _believed(store: StoreOf, who: Who, thing: Thing) -> Iterator[Believed]:

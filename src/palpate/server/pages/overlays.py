@@ -50,10 +50,10 @@ class Choice:
     ticked: bool
 
 
-def choices_of(results: Sequence[Result], chosen: Sequence[UUID], devices: Sequence[str]) -> list[Choice]:
+def choices_of(results: Sequence[Result], chosen: Sequence[UUID], colours: Mapping[str, int]) -> list[Choice]:
     """The last recordings of each device; unless told which, the last one of each is chosen.
 
-    Colours are the places of devices in an order; those that are not in it come after them.
+    `colours` has that of each device.
     """
     last: dict[UUID, Result] = {}
     for one in reversed(results):
@@ -69,8 +69,6 @@ def choices_of(results: Sequence[Result], chosen: Sequence[UUID], devices: Seque
     there = [one.recording for one in shown]
     wanted = [key for key in dict.fromkeys(chosen) if key in there] or first[:COLOURS]
     drawn = wanted[:COLOURS]
-    every = dict.fromkeys([*devices, *sorted(counts)])
-    colours = {device: place % COLOURS for place, device in enumerate(every)}
     found = [
         Choice(
             recording=one.recording,

@@ -21,7 +21,9 @@ MOST_POINTS = 250
 """Of one device; of more, every so many are drawn."""
 
 
-def points_plot(property: str, results: Sequence[Result], truths: Sequence[tuple[float, str]]) -> Plot | None:
+def points_plot(
+    property: str, results: Sequence[Result], truths: Sequence[tuple[float, str]], colours: Mapping[str, int]
+) -> Plot | None:
     """The values of one property, or None where there is no value with a unit.
 
     Parameters
@@ -30,6 +32,8 @@ def points_plot(property: str, results: Sequence[Result], truths: Sequence[tuple
         Of that property.
     truths
         Values that are known, in the property's unit, each with its source.
+    colours
+        That of each device.
     """
     groups: Mapping[str, list[Result]] = defaultdict(list)
     for result in results:
@@ -43,7 +47,8 @@ def points_plot(property: str, results: Sequence[Result], truths: Sequence[tuple
     rows, means = [], []
     points: list[Point] = []
     top = 0.0
-    for colour, (name, group) in enumerate(sorted(groups.items())):
+    for name, group in sorted(groups.items()):
+        colour = colours[name]
         mean, bottom = fmean(one.value or 0.0 for one in group), top + _height(group)
         rows.append(Row(short(name, 24), f"{number(mean)}, n = {len(group)}", top, bottom))
         points += _points(group, top, bottom, colour)
