@@ -399,3 +399,23 @@ def test_final_beliefs_stand_against_what_is_known() -> None:
     assert beliefs_plot("volume", found, [], None) is None
     # kilograms and grams cannot stand beside each other
     assert beliefs_plot("mass", [*found, believed(mass={**mass, "unit": "kg"})], [], None) is None
+
+
+def test_a_line_is_drawn_along_what_was_measured_and_no_further() -> None:
+    """Where a line would begin before the first sample, no place of contact is told."""
+    whole = spring(50, 1.5)
+    for held in (Held(), Held(area_mm2=600.0)):
+        told = squeeze_of(whole, held)
+        assert told is not None
+        assert told.hinge is not None
+        late = told.gap_mm < 48.0
+        found = replace(told, gap_mm=told.gap_mm[late], force_n=told.force_n[late])
+        plot = squeeze_plot(found)
+        measured, fitted = plot.curves
+        assert (fitted.x.min(), fitted.x.max()) == (measured.x.min(), measured.x.max())
+        assert "in contact from the first sample on" in plot.note
+        assert "from contact at" not in plot.note
+    assert "before the first sample" in squeeze_words(found)
+    kept = squeeze_of(whole, Held())
+    assert kept is not None
+    assert "from contact at 50.01 mm" in squeeze_plot(kept).note

@@ -6,12 +6,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from markupsafe import Markup
+
 from palpate.server.api.downloads import BEGINNING_BYTES, NO_TYPE, safe_type
 from palpate.server.api.sounds import is_sound
 from palpate.server.pages.shown import Shown, shown
 from palpate.server.plots.curves import channel_plot
 from palpate.server.plots.no_squeeze import no_squeeze_words
 from palpate.server.plots.sounds import sound_in
+from palpate.server.plots.spectrogram_axes import spectrogram_with_axes
 from palpate.server.plots.squeezes import FoundSqueeze, held_by, squeeze_of, squeeze_plot, squeeze_words
 from palpate.store.parts import Head, StoredFile, series_of
 from palpate.store.records import Channel, Series
@@ -32,8 +35,8 @@ LARGEST_SOUND = 20 << 20
 class Signals:
     """What a page shows of a series.
 
-    `words` are those of the squeeze, or tell why there is none where it looks like one; `without_unit` are names of
-    channels.
+    `words` are those of the squeeze, or tell why there is none where it looks like one; `sounds` are places of channels
+    with their pictures; `without_unit` are names of channels.
     """
 
     name: str
@@ -41,7 +44,7 @@ class Signals:
     squeeze: Shown | None
     words: str
     plots: tuple[Shown, ...]
-    sounds: tuple[int, ...]
+    sounds: tuple[tuple[int, Markup], ...]
     left_out: int
     without_unit: tuple[str, ...]
 
@@ -75,7 +78,11 @@ def _drawn(head: Head, series: Series, position: int) -> Signals:
         squeeze=None if squeeze is None else shown(squeeze_plot(squeeze), f"{address}/squeeze.json"),
         words=no_squeeze_words(series) if squeeze is None else squeeze_words(squeeze),
         plots=plots,
-        sounds=tuple(place for place, channel in enumerate(series.channels) if is_sound(channel)),
+        sounds=tuple(
+            (place, spectrogram_with_axes(channel, channel.name, f"{address}/channels/{place}/spectrogram.png"))
+            for place, channel in enumerate(series.channels)
+            if is_sound(channel)
+        ),
         left_out=len(series.channels) - len(plots),
         without_unit=tuple(channel.name for channel in series.channels if channel.unit is None),
     )
@@ -93,7 +100,7 @@ def shown_file(store: Store, head: Head, place: int) -> dict[str, Any]:
         "url": f"/api/v1/recordings/{head.id}/files/{place}",
         "kind": kind if is_safe else "other",
         "wave": None if sound is None else shown(channel_plot(sound), f"{address}/plot.json"),
-        "spectrogram": None if sound is None else f"{address}/spectrogram.png",
+        "spectrogram": None if sound is None else spectrogram_with_axes(sound, item.name, f"{address}/spectrogram.png"),
     }
 
 

@@ -19,7 +19,7 @@ from palpate import __version__
 from palpate.server.names import thing_address
 from palpate.server.pages.bundles import bokeh_address
 from palpate.server.pages.changes import change_text
-from palpate.server.plots.drawing import number
+from palpate.server.plots.drawing import number, with_sd
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.headers import policy
 from palpate.server.security.returns import way_in
@@ -76,8 +76,7 @@ def entry_text(entry: Entry) -> str:
     ('118 ± 2 g', 'above 95 kPa')
     """
     if isinstance(entry, Value):
-        spread = "" if entry.sd is None else f" ± {number(entry.sd)}"
-        return f"{number(entry.value)}{spread} {_unit(entry.unit)}"
+        return f"{with_sd(entry.value, entry.sd)} {_unit(entry.unit)}"
     if isinstance(entry, Distribution):
         best = sorted(entry.probabilities.items(), key=lambda item: (-item[1], item[0]))
         return ", ".join(f"{label} {share:.0%}" for label, share in best[:3] if share >= 0.005)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from palpate.server.plots.drawing import Drawing, number
+from palpate.server.plots.drawing import Drawing, number, with_sd
 from palpate.server.plots.scale import Scale, spanning
 from palpate.summary import BeliefSummary, CategoricalSummary, ContinuousSummary
 
@@ -50,8 +50,7 @@ def _best(summary: CategoricalSummary) -> str:
 def _figures(summary: ContinuousSummary) -> str:
     if summary.mean is None:
         return f"median {number(summary.quantiles['0.5'])} {summary.unit}"
-    spread = "" if summary.sd is None else f" ± {number(summary.sd)}"
-    return f"{number(summary.mean)}{spread} {summary.unit}"
+    return f"{with_sd(summary.mean, summary.sd)} {summary.unit}"
 
 
 def _bars(name: str, before: CategoricalSummary, after: CategoricalSummary) -> Markup:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import floor, isfinite, log10
 
 from markupsafe import Markup, escape
 
 from palpate.server.plots.scale import Scale
 
-__all__ = ["Drawing", "number"]
+__all__ = ["Drawing", "number", "with_sd"]
 
 COLOURS = 8
+SMALLEST_SD, LARGEST = 1e-4, 1e7
+"""Beyond them numbers have a power of ten."""
 
 
 def number(value: float) -> str:
@@ -22,6 +25,25 @@ def number(value: float) -> str:
     ('1235', '0.01235', '1e-07', '40')
     """
     return f"{value:.0f}" if 1000 <= abs(value) < 1e7 else f"{value:.4g}"
+
+
+def with_sd(value: float, sd: float | None) -> str:
+    """A number with its SD, which has two digits that count; the number has none beyond them.
+
+    Examples
+    --------
+    >>> with_sd(45.9412, 0.7796), with_sd(118.0, 2.0), with_sd(1234.6, 567.0), with_sd(9.7, None)
+    ('45.94 ± 0.78', '118 ± 2', '1230 ± 570', '9.7')
+    """
+    if sd is None:
+        return number(value)
+    if not (isfinite(value) and SMALLEST_SD <= sd < LARGEST and abs(value) < LARGEST):
+        return f"{number(value)} ± {sd:.2g}"
+    digits = 1 - floor(log10(float(f"{sd:.1e}")))
+    told = [f"{round(one, digits):.{max(0, digits)}f}" for one in (value, sd)]
+    while "." in told[0] and all(one.endswith(("0", ".")) for one in told):
+        told = [one[:-1] for one in told]
+    return " ± ".join(told)
 
 
 class Drawing:
@@ -72,6 +94,11 @@ class Drawing:
         """A surface within a line that comes back to where it began."""
         path = " ".join(f"{x:g},{y:g}" for x, y in points)
         self._parts.append(f'<polygon points="{path}" class="{escape(kind)}"/>')
+
+    def image(self, x: float, y: float, width: float, height: float, address: str) -> None:
+        """A picture of this site, stretched to fill a rectangle."""
+        place = f'x="{x}" y="{y}" width="{width}" height="{height}" preserveAspectRatio="none"'
+        self._parts.append(f'<image href="{escape(address)}" {place}/>')
 
     def text(self, x: float, y: float, words: str, kind: str = "", anchor: str = "start") -> None:
         """Words."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from palpate.errors import plural
 from palpate.server.benchmark import Agreement, Cell
 from palpate.server.names import thing_address
-from palpate.server.plots.drawing import number
+from palpate.server.plots.drawing import with_sd
 from palpate.server.plots.plot import Level, Plot, Point, Row
 from palpate.server.plots.svg import short
 from palpate.store.records import ThingRef
@@ -48,8 +48,7 @@ def _point(found: Agreement, cell: Cell, row: Row, devices: list[str], colours: 
     place = devices.index(cell.device)
     error, sd = cell.error or 0.0, cell.sd or 0.0
     # of one value no SD is known, which is not one of 0
-    spread = "" if cell.sd is None else f" ± {number(sd)}"
-    told = f"{cell.device}: {number(error)}{spread} {found.unit}, n = {cell.count}"
+    told = f"{cell.device}: {with_sd(error, cell.sd)} {found.unit}, n = {cell.count}"
     y = row.top + ROW * (place + 1) / (len(devices) + 1)
     link = f"/objects/{thing_address(ThingRef(cell.dataset, cell.thing))}"
     return Point(error, y, error - sd, error + sd, told, link, colours[cell.device])

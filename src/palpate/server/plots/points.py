@@ -9,7 +9,7 @@ from statistics import fmean
 import numpy as np
 
 from palpate.errors import plural
-from palpate.server.plots.drawing import number
+from palpate.server.plots.drawing import number, with_sd
 from palpate.server.plots.plot import Curve, Level, Look, Plot, Point, Row
 from palpate.server.plots.svg import short
 from palpate.store.visible_results import Result
@@ -75,6 +75,5 @@ def _points(group: Sequence[Result], top: float, bottom: float, colour: int) -> 
     for place, one in enumerate(shown):
         y = top + 8 + place * step if len(shown) > 1 else (top + bottom) / 2
         value, sd = one.value or 0.0, one.sd or 0.0
-        spread = f" ± {number(sd)}" if sd else ""
-        told = f"{number(value)}{spread} {one.unit}, {one.recorded_at:%Y-%m-%d}"
+        told = f"{with_sd(value, one.sd or None)} {one.unit}, {one.recorded_at:%Y-%m-%d}"
         yield Point(value, y, value - sd, value + sd, told, f"/recordings/{one.recording}", colour)

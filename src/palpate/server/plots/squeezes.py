@@ -170,16 +170,16 @@ def squeeze_plot(found: FoundSqueeze) -> Plot:
         return _stress_plot(found, found.hinge, found.indentation_mm)
     curves, note = [Curve(found.gap_mm, found.force_n, "measured")], ""
     if found.hinge is not None:
-        knots = np.array([found.gap_mm.max(), found.hinge.contact, found.gap_mm.min()])
+        knots = _within(found.hinge.contact, found.gap_mm)
         curves.append(Curve(knots, found.hinge.at(knots), "fitted line", look=Look.FITTED))
-        note = f"fitted: {number(found.hinge.slope)} N/mm from contact at {number(found.hinge.contact)} mm"
+        note = f"fitted: {number(found.hinge.slope)} N/mm, {_contact(found, found.hinge)}"
     return Plot("force [N] over the gap of the jaws [mm]", "gap [mm]", "force [N]", tuple(curves), note=note)
 
 
 def _stress_plot(found: FoundSqueeze, hinge: Hinge, indentation_mm: Numbers) -> Plot:
     area_mm2, width_mm = found.held.area_mm2 or 1.0, found.width_mm or 1.0
     strain, stress_kpa = indentation_mm / width_mm, 1e3 * found.added_n / area_mm2
-    knots = np.array([strain.min(), 0.0, strain.max()])
+    knots = _within(0.0, strain)
     modulus = found.modulus_kpa or 0.0
     fitted = Curve(knots, modulus * np.maximum(0.0, knots), "fitted line", look=Look.FITTED)
     return Plot(
@@ -187,8 +187,21 @@ def _stress_plot(found: FoundSqueeze, hinge: Hinge, indentation_mm: Numbers) -> 
         "strain (shortened by, over the width at rest)",
         "stress [kPa]",
         (Curve(strain, stress_kpa, "measured"), fitted),
-        note=f"fitted: {number(modulus)} kPa from contact at {number(hinge.contact)} mm",
+        note=f"fitted: {number(modulus)} kPa, {_contact(found, hinge)}",
     )
+
+
+def _within(contact: float, measured: Numbers) -> Numbers:
+    """Where a fitted line is drawn: along what was measured, with its bend where that is within."""
+    return np.unique([measured.min(), np.clip(contact, measured.min(), measured.max()), measured.max()])
+
+
+def _contact(found: FoundSqueeze, hinge: Hinge) -> str:
+    """Where the line begins; of a place that nothing was measured at only the side."""
+    first_mm = float(found.gap_mm.max())
+    if hinge.contact > first_mm:
+        return f"in contact from the first sample on, at {number(first_mm)} mm"
+    return f"from contact at {number(hinge.contact)} mm"
 
 
 def squeeze_words(found: FoundSqueeze) -> str:
@@ -201,6 +214,8 @@ def _words(found: FoundSqueeze) -> str:
     if found.is_stress:
         width = found.width_mm or 0.0
         known = "as it is known" if found.held.width_mm else "the gap at contact, as no width is told"
+        if not found.held.width_mm and width > float(found.gap_mm.max()):
+            known = "where the line would begin, before the first sample, as no width is told"
         told = f"Contact area {number(found.held.area_mm2 or 0.0)} mm², width at rest {number(width)} mm ({known})."
         return f"{told} No result: {found.flaw}." if found.flaw else told
     if found.held.area_mm2 is None:
