@@ -151,6 +151,20 @@ def test_what_the_service_has_is_told_without_marks(client: TestClient) -> None:
     assert "<code>~2f</code>" in told
 
 
+def test_what_scrolls_in_a_box_is_reached_by_keyboard(client: TestClient, store: Store) -> None:
+    """Each table and plot that may be wider than the page; and the small menu has what the wide one has."""
+    add_example(store, count=10)
+    for address in ("/", "/recordings", "/devices", "/compare?property=elasticity", "/objects/simulated/banana_ycb"):
+        page = client.get(address).text
+        boxes = re.findall(r'<[^>]*class="wide[^>]*>', page)
+        assert boxes, address
+        assert all('tabindex="0"' in one for one in boxes), address
+        wide, small = (
+            re.findall(r'href="([^"]*)"', one) for one in re.findall(r"<nav aria-label=.Main.*?</nav>", page, re.S)
+        )
+        assert wide == small
+
+
 def test_errors_are_pages_for_people(client: TestClient) -> None:
     """Who asks for a page gets the error as one, and a program gets it as JSON."""
     page = client.get("/recordings/nothing", headers={"Accept": "text/html"})
