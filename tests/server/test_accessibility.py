@@ -100,6 +100,7 @@ class Place:
             "/recordings?limit=0",
         ]
         self.own = ["/objects/lab/bell/edit", f"/recordings/{recording.id}", f"/episodes/{shown.id}", "/upload"]
+        self.own += ["/account", "/users"]
         self.recording, self.episode = f"/recordings/{recording.id}", f"/episodes/{shown.id}"
         self.made = set[str]()
         """Templates that were made into pages."""

@@ -29,6 +29,9 @@ def serve(
         bool, typer.Option("--signed-urls", help="Send who may see a file to the bucket that has it, for a minute.")
     ] = False,
     log: Annotated[bool, typer.Option("--log", help="Print each request as a line of JSON to standard error.")] = False,
+    contact: Annotated[
+        str | None, typer.Option(metavar="TEXT", help="Whom to ask for an account or a password, for the log-in page.")
+    ] = None,
     rate: Annotated[
         float | None,
         typer.Option(min=0.1, help="Requests a second from one address; 50 unless only for this computer."),
@@ -56,6 +59,7 @@ def serve(
         proxied=where.public is not None,
         signed_urls=signed_urls,
         log_requests=log,
+        contact=contact,
         **elsewhere,
     )
     tell(settings, reached)

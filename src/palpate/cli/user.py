@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 import sys
 from enum import StrEnum
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from palpate.cli.spreading import spread
 from palpate.cli.store_options import Place
+
+if TYPE_CHECKING:
+    from palpate.store.store import Store
 
 __all__ = ["app"]
 
@@ -70,6 +73,7 @@ def add(
         check_link(store, name, **of)
         add_user(store, name, Role.parse(role.value))
         link(store, name, **of)
+        _note(store, name, f"made the account of {Role.parse(role.value).with_article}")
         print(issue(store, name))
 
 
@@ -81,6 +85,15 @@ def link(place: Place, name: Name, email: Email = None, issuer: Issuer = None, s
 
     with place.opened() as store:
         set_link(store, name, email=email, **_at_provider(issuer, subject))
+        _note(store, name, "said by what a provider knows it")
+
+
+def _note(store: Store, account: str | None, did: str) -> None:
+    """Say in the audit who did something to an account on this computer."""
+    from palpate.cli.knowing import who_of
+    from palpate.server.security.noting import note_account
+
+    note_account(store, who_of(None), account, did)
 
 
 def _at_provider(issuer: str | None, subject: str | None) -> dict[str, str | None]:
@@ -96,6 +109,7 @@ def role(place: Place, name: Name, role: Annotated[RoleName, typer.Argument(help
 
     with place.opened() as store:
         set_role(store, name, Role.parse(role.value))
+        _note(store, name, f"made it {Role.parse(role.value).with_article}")
 
 
 @app.command("token")
@@ -113,7 +127,9 @@ def token(
     from palpate.server.security.tokens import issue
 
     with place.opened() as store:
-        print(issue(store, name, None if role is None else Role.parse(role.value), days=days))
+        secret = issue(store, name, None if role is None else Role.parse(role.value), days=days)
+        _note(store, name, "made a token")
+        print(secret)
 
 
 @app.command("password")
@@ -125,6 +141,7 @@ def password(place: Place, name: Name) -> None:
     asked = typer.prompt("Password", hide_input=True, confirmation_prompt=True) if sys.stdin.isatty() else input()
     with place.opened() as store:
         set_password(store, name, asked)
+        _note(store, name, "gave a new password")
     print(f"{name} has a new password; who was logged in under that name is no more, and other tokens hold")
 
 
@@ -138,6 +155,7 @@ def revoke(
 
     with place.opened() as store:
         end(store, token)
+        _note(store, None, f"ended token {token}")
 
 
 @app.command("list")
@@ -158,4 +176,5 @@ def list_(place: Place, as_json: Annotated[bool, typer.Option("--json", help="JS
         for token in held:
             if token.user == one.name:
                 ends = f", expires {token.expires_at:%Y-%m-%d}" if token.expires_at else ""
-                print(f"  token {token.id}: {token.role}{', revoked' if token.revoked_at else ends}")
+                kind = "session" if token.is_session else "token"
+                print(f"  {kind} {token.id}: {token.role}{', revoked' if token.revoked_at else ends}")

@@ -50,6 +50,8 @@ class Settings:
         environment, as `OIDC_SECRET` names it.
     oidc_new_readers
         Whether who the provider knows and has no account gets one, as a reader.
+    contact
+        Whom people ask who have no account or have forgotten their password, in words.
     """
 
     place: str | None = None
@@ -68,6 +70,7 @@ class Settings:
     oidc_issuer: str | None = None
     oidc_client_id: str | None = None
     oidc_new_readers: bool = False
+    contact: str | None = None
 
     def to_environment(self) -> None:
         """Leave them for the workers."""

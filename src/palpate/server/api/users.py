@@ -8,12 +8,13 @@ from fastapi import APIRouter, Depends
 from fastapi.responses import Response
 
 from palpate.server.api.answers import answer
-from palpate.server.api.models import Page, Token, User
+from palpate.server.api.models import NewToken, Page, Token, TokenAsked, User
 from palpate.server.api.parameters import Place, StoreOf
 from palpate.server.api.plain import moment
 from palpate.server.problems import problem
 from palpate.server.security import accounts, tokens
 from palpate.server.security.accounts import Account, Role
+from palpate.server.security.managing import Accounts
 from palpate.server.security.who import needs
 from palpate.store.errors import StoreError, UnavailableError
 
@@ -39,11 +40,18 @@ def list_tokens(store: StoreOf, who: Somebody) -> Response:
     return answer({"items": items, "next": None})
 
 
+@router.post("/tokens", response_model=NewToken, status_code=201)
+def make_token(store: StoreOf, who: Somebody, asked: TokenAsked) -> Response:
+    """Make a token of one's own, which may do no more than the one that asks; it is told this once."""
+    role = None if asked.role is None else Role.parse(asked.role)
+    return answer({"token": Accounts(store, who).make_token(role, asked.days)}, 201)
+
+
 @router.delete("/tokens/{id}", status_code=204)
 def revoke_token(store: StoreOf, who: Somebody, id: Place) -> Response:
     """End a token at once: one of one's own that may do no more than this one, or as an administrator any."""
     try:
-        tokens.revoke(store, id, user=None if who.role is Role.ADMIN else who.name, most=who.role)
+        Accounts(store, who).end_token(id)
     except UnavailableError:
         raise
     except StoreError as error:

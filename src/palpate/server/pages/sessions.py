@@ -84,5 +84,6 @@ def log_in_form(
         "by_provider": by_provider,
         "next": back,
         "typed": typed,
+        "contact": state_of(request).settings.contact,
     }
     return page(request, "login.html", status, **told)

@@ -8,6 +8,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
 from palpate.server.pages import (
+    accounts,
     benchmarking,
     bundles,
     comparing,
@@ -44,6 +45,7 @@ PARTS = (
     episodes,
     guides,
     sessions,
+    accounts,
     sign_on,
     sharing,
     upload,

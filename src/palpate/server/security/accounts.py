@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from datetime import datetime
 from enum import IntEnum
 
-from sqlalchemy import func, insert, select, update
+from sqlalchemy import func, insert, or_, select, update
 
 from palpate.errors import choices
+from palpate.server.security.lifetimes import is_of_session
 from palpate.store import schema
 from palpate.store.database import changing
 from palpate.store.errors import StoreError
@@ -123,9 +124,11 @@ def set_role(store: Store, name: str, role: Role) -> None:
 
 
 def users(store: Store) -> tuple[User, ...]:
-    """All accounts, by name, each with how many tokens it has that were not revoked."""
+    """All accounts, by name, each with how many tokens of programs it has that hold."""
     columns, held = schema.users.c, schema.tokens.c
-    count = select(func.count()).where(held.user_id == columns.id, held.revoked_us.is_(None)).scalar_subquery()
+    lasts = or_(held.expires_us.is_(None), held.expires_us > now_us())
+    holds = (held.user_id == columns.id, held.revoked_us.is_(None), lasts, ~is_of_session())
+    count = select(func.count()).where(*holds).scalar_subquery()
     with store.engine.connect() as connection:
         rows = connection.execute(select(schema.users, count.label("held")).order_by(columns.name)).all()
     return tuple(User(row.name, row.role, row.email, moment_at(row.created_us), row.held) for row in rows)

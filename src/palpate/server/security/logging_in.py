@@ -5,16 +5,15 @@ from __future__ import annotations
 from sqlalchemy import select, update
 
 from palpate.server.security.accounts import no_account
+from palpate.server.security.lifetimes import SESSION_DAYS, is_of_session
 from palpate.server.security.passwords import hashed, is_password
-from palpate.server.security.tokens import MICROSECONDS_PER_DAY, issue
+from palpate.server.security.tokens import issue
 from palpate.store import schema
 from palpate.store.database import changing
 from palpate.store.registry import now_us
 from palpate.store.store import Store
 
-__all__ = ["SESSION_DAYS", "log_in", "set_password"]
-
-SESSION_DAYS = 0.5
+__all__ = ["SESSION_DAYS", "knows_password", "log_in", "set_password"]
 
 
 def set_password(store: Store, name: str, password: str) -> None:
@@ -33,14 +32,18 @@ def set_password(store: Store, name: str, password: str) -> None:
         if id is None:
             raise no_account(name)
         connection.execute(update(schema.users).where(schema.users.c.id == id).values(password_hash=kept))
-        short = sessions.expires_us - sessions.created_us <= int(SESSION_DAYS * MICROSECONDS_PER_DAY)
-        held = (sessions.user_id == id, short, sessions.revoked_us.is_(None))
+        held = (sessions.user_id == id, is_of_session(), sessions.revoked_us.is_(None))
         connection.execute(update(schema.tokens).where(*held).values(revoked_us=now_us()))
 
 
 def log_in(store: Store, name: str, password: str) -> str | None:
     """A token for a browser, for half a day; None where the name or the password is wrong, and nobody learns which."""
+    return issue(store, name, days=SESSION_DAYS) if knows_password(store, name, password) else None
+
+
+def knows_password(store: Store, name: str, password: str) -> bool:
+    """Whether it is the password of an account; it takes as long where there is none."""
     columns = schema.users.c
     with store.engine.connect() as connection:
         kept = connection.scalar(select(columns.password_hash).where(columns.name == name))
-    return issue(store, name, days=SESSION_DAYS) if is_password(password, kept) else None
+    return is_password(password, kept)

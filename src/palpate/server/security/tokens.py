@@ -16,6 +16,7 @@ from typing import Any
 from sqlalchemy import Select, bindparam, insert, or_, select, update
 
 from palpate.server.security.accounts import Account, Role, no_account
+from palpate.server.security.lifetimes import LONGEST_SESSION_US, MICROSECONDS_PER_DAY
 from palpate.store import schema
 from palpate.store.database import changing
 from palpate.store.errors import StoreError
@@ -23,11 +24,10 @@ from palpate.store.registry import now_us
 from palpate.store.rows import moment_at
 from palpate.store.store import Store
 
-__all__ = ["MICROSECONDS_PER_DAY", "Token", "account_of", "end", "issue", "revoke", "tokens"]
+__all__ = ["Token", "account_of", "end", "issue", "number_of", "revoke", "tokens"]
 
 PREFIX = "palpate_"
 """Begins each token, so that one that was published by mistake can be found."""
-MICROSECONDS_PER_DAY = 86_400_000_000
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,12 @@ class Token:
     created_at: datetime
     expires_at: datetime | None
     revoked_at: datetime | None
+    is_session: bool
+
+    @property
+    def holds(self) -> bool:
+        """Whether it lets anybody in now."""
+        return self.revoked_at is None and (self.expires_at is None or self.expires_at > moment_at(now_us()))
 
 
 def issue(store: Store, name: str, role: Role | None = None, *, days: float | None = 365.0) -> str:
@@ -145,5 +151,13 @@ def digest_of(secret: str) -> bytes:
 
 
 def _token(row: Any) -> Token:
-    moments = (None if us is None else moment_at(us) for us in (row.expires_us, row.revoked_us))
-    return Token(row.id, row.name, row.role, moment_at(row.created_us), *moments)
+    expires_at, revoked_at = (None if us is None else moment_at(us) for us in (row.expires_us, row.revoked_us))
+    is_session = row.expires_us is not None and row.expires_us - row.created_us <= LONGEST_SESSION_US
+    return Token(row.id, row.name, row.role, moment_at(row.created_us), expires_at, revoked_at, is_session)
+
+
+def number_of(store: Store, secret: str) -> int | None:
+    """The number of a token in the list of them; None where there is none."""
+    columns = schema.tokens.c
+    with store.engine.connect() as connection:
+        return connection.scalar(select(columns.id).where(columns.digest == digest_of(secret)))

@@ -12,7 +12,7 @@ from palpate.server.api.models.series import SeriesInfo, SeriesSamples
 from palpate.server.api.models.setups import Device, Setup
 from palpate.server.api.models.sharing import Sharing, SharingChange, Visibility
 from palpate.server.api.models.uploads import Batch, Digests, KnownRecordings, Receipt
-from palpate.server.api.models.users import Token, User
+from palpate.server.api.models.users import NewToken, Token, TokenAsked, User
 
 __all__ = [
     "Batch",
@@ -27,6 +27,7 @@ __all__ = [
     "File",
     "Known",
     "KnownRecordings",
+    "NewToken",
     "Object",
     "Page",
     "Property",
@@ -40,6 +41,7 @@ __all__ = [
     "SharingChange",
     "Strict",
     "Token",
+    "TokenAsked",
     "User",
     "Visibility",
 ]

@@ -1,0 +1,149 @@
+"""The page of one's account, and that of all accounts."""
+
+import json
+import re
+from html import unescape
+
+import pytest
+from fastapi.testclient import TestClient
+from sqlalchemy import select
+
+from palpate.server.app import application
+from palpate.server.security.accounts import Account, Role, add_user, users
+from palpate.server.security.logging_in import knows_password, set_password
+from palpate.server.security.tokens import account_of, issue, tokens
+from palpate.server.settings import Settings
+from palpate.store import schema
+from palpate.store.store import Store
+
+PASSWORD, OTHER = "correct horse battery", "another long password"
+ORIGIN = {"Origin": "http://testserver"}
+
+
+@pytest.fixture
+def ann(client: TestClient, store: Store) -> TestClient:
+    """Logged in, as an owner."""
+    add_user(store, "ann", Role.OWNER)
+    set_password(store, "ann", PASSWORD)
+    return logged_in(client, "ann")
+
+
+def logged_in(client: TestClient, name: str, password: str = PASSWORD) -> TestClient:
+    fields = {"name": name, "password": password}
+    assert client.post("/login", data=fields, headers=ORIGIN, follow_redirects=False).status_code == 303
+    return client
+
+
+def send(client: TestClient, address: str, **fields: str) -> tuple[int, str]:
+    found = client.post(address, data=fields, headers={**ORIGIN, "Accept": "text/html"}, follow_redirects=False)
+    return found.status_code, unescape(found.text)
+
+
+def audit(store: Store) -> list[tuple[str, str, str]]:
+    rows = select(schema.audit.c.who, schema.audit.c.detail).where(schema.audit.c.what == "account")
+    with store.engine.connect() as connection:
+        told = [(row.who, json.loads(row.detail)) for row in connection.execute(rows)]
+    return [(who, detail["account"], detail["did"]) for who, detail in told]
+
+
+def test_a_password_is_changed_by_the_old_one(ann: TestClient, store: Store) -> None:
+    """Other browsers are logged out, this one and tokens of programs are not."""
+    token = issue(store, "ann")
+    other = TestClient(application(store))
+    logged_in(other, "ann")
+    for old, new, again, said in (
+        ("wrong horse battery", OTHER, OTHER, "old password: is not the one"),
+        (PASSWORD, OTHER, "a third long password", "the second time it is another one"),
+        (PASSWORD, "x", "x", "is 1 character long"),
+    ):
+        status, told = send(ann, "/account", do="password", old=old, new=new, again=again)
+        assert (status, said in told) == (422, True)
+        assert new not in told or new == "x"
+    assert knows_password(store, "ann", PASSWORD)
+    assert send(ann, "/account", do="password", old=PASSWORD, new=OTHER, again=OTHER)[0] == 303
+    assert knows_password(store, "ann", OTHER)
+    assert "The password was changed" in ann.get("/account?saved=password").text
+    assert other.get("/account").status_code == 401
+    assert account_of(store, token) is not None
+    assert audit(store) == [("ann", "ann", "changed the password")]
+
+
+def test_old_passwords_are_not_guessed(ann: TestClient) -> None:
+    """As at the log-in, after some tries there are no more for a while."""
+    wrong = {"do": "password", "old": "wrong", "new": OTHER, "again": OTHER}
+    assert [send(ann, "/account", **wrong)[0] for _ in range(12)][-1] == 429
+
+
+def test_tokens_are_shown_once_and_told_from_sessions(ann: TestClient, store: Store) -> None:
+    """One may do less and not more than its maker, is in a list without its secret, and is ended by its maker alone."""
+    add_user(store, "bob", Role.OWNER)
+    issue(store, "bob")
+    status, told = send(ann, "/account", do="token", role="reader", days="30")
+    (secret,) = re.findall(r"palpate_[\w-]{20,}", told)
+    assert (status, account_of(store, secret)) == (200, Account("ann", Role.READER))
+    page = ann.get("/account").text
+    assert secret not in page
+    (number,) = re.findall(r"Token (\d+)", page)[:1]
+    assert ("This browser" in page, page.count(">End<")) == (True, 2)
+    assert [one.tokens for one in users(store)] == [1, 1]
+    for fields in (
+        {"role": "curator", "days": "30"},
+        {"role": "reader", "days": "0.1"},
+        {"role": "reader", "days": "x"},
+    ):
+        assert send(ann, "/account", do="token", **fields)[0] == 422
+    of_bob = tokens(store, "bob")[0].id
+    assert send(ann, "/account", do="end", number=str(of_bob))[0] == 422
+    assert send(ann, "/account", do="end", number=number)[0] == 303
+    assert account_of(store, secret) is None
+    assert [did for _, _, did in audit(store)] == ["made a token for a reader", f"ended token {number}"]
+    foreign = ann.post("/account", data={"do": "token"}, headers={"Origin": "http://evil.example"})
+    assert foreign.status_code == 403
+
+
+def test_a_program_makes_a_token_of_no_greater_scope(client: TestClient, store: Store) -> None:
+    """Than the token that asks, whatever its account may do."""
+    add_user(store, "ann", Role.ADMIN)
+    headers = {"Authorization": f"Bearer {issue(store, 'ann', Role.OWNER)}"}
+    made = client.post("/api/v1/tokens", json={}, headers=headers)
+    assert (made.status_code, account_of(store, made.json()["token"])) == (201, Account("ann", Role.OWNER))
+    less = client.post("/api/v1/tokens", json={"role": "reader", "days": 2}, headers=headers).json()["token"]
+    assert account_of(store, less) == Account("ann", Role.READER)
+    for wrong in ({"role": "admin"}, {"role": "king"}, {"days": 0}, {"days": 1e9}, {"name": "bob"}):
+        assert client.post("/api/v1/tokens", json=wrong, headers=headers).status_code == 422
+    listed = client.get("/api/v1/tokens", headers=headers).json()["items"]
+    assert [one["is_session"] for one in listed] == [False, False, False]
+
+
+def test_administrators_have_all_accounts(ann: TestClient, store: Store) -> None:
+    """They add, set roles, show passwords and end tokens; nobody else does, and not their own role."""
+    assert ann.get("/users").status_code == 403
+    add_user(store, "root", Role.ADMIN)
+    set_password(store, "root", PASSWORD)
+    root = TestClient(application(store))
+    logged_in(root, "root")
+    status, told = send(root, "/users", do="add", name="bob", role="reader", email="")
+    (password,) = re.findall(r"<code>([\w-]+)</code>", told)
+    assert (status, knows_password(store, "bob", password)) == (200, True)
+    assert password not in root.get("/users").text
+    assert send(root, "/users", do="add", name="bob", role="reader")[0] == 422
+    assert send(root, "/users", do="role", name="bob", role="curator")[0] == 303
+    assert send(root, "/users", do="role", name="root", role="reader")[0] == 422
+    assert {one.name: one.role for one in users(store)} == {"ann": "owner", "bob": "curator", "root": "admin"}
+    assert send(root, "/users", do="password", name="nobody")[0] == 422
+    assert send(root, "/users", do="password", name="ann")[0] == 200
+    assert ann.get("/account").status_code == 401
+    secret = issue(store, "bob")
+    assert send(root, "/users", do="end", number=str(tokens(store, "bob")[-1].id))[0] == 303
+    assert account_of(store, secret) is None
+    assert ("root", "bob", "made it a curator") in audit(store)
+    assert not [line for line in audit(store) if password in str(line)]
+
+
+def test_the_log_in_says_whom_to_ask(store: Store) -> None:
+    """In the words of the server, or else by the command."""
+    with TestClient(application(store)) as client:
+        assert "palpate user password NAME" in client.get("/login").text
+    with TestClient(application(store, Settings(contact="Eve, <eve@example.org>"))) as client:
+        page = client.get("/login").text
+        assert ("Eve, &lt;eve@example.org&gt;" in page, "palpate user" in page) == (True, False)
