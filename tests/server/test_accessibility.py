@@ -246,6 +246,12 @@ def test_the_keyboard_reaches_all_and_shows_where_it_is(page: Any, place: tuple[
     assert [name for name, shown in found if not shown] == []
     names = [name for name, _ in found]
     assert names[0] == "Skip to the content"
+    if size is PHONE:
+        assert "Objects" not in names
+        page.locator(".menu summary").press("Enter")
+        opened = list(stops(page))
+        assert [name for name, shown in opened if not shown] == []
+        names += [name for name, _ in opened]
     for wanted in ("Objects", "Recordings", "Compare", "Explorations", "Devices", "Guides", "Log in", "text", "Search"):
         assert wanted in names
     page.goto("/recordings")
