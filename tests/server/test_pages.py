@@ -207,3 +207,23 @@ def test_a_squeeze_that_is_not_drawn_as_one_says_why(client: TestClient, store: 
     store.put(recording)
     page = client.get(f"/recordings/{recording.id}").text
     assert "Stress over strain is not drawn: force has 3 numbers in each sample, expected one." in page
+
+
+def test_the_example_is_seen_and_heard_and_its_story_is_told(client: TestClient, store: Store) -> None:
+    """A trick that is found out, with what is known beside what is believed; a sound and a drawing, said to be made."""
+    add_example(store, count=10)
+    episode = client.get("/api/v1/episodes").json()["items"][0]["id"]
+    page = client.get(f"/episodes/{episode}").text
+    assert "A trick: to a camera it looks like banana" in page
+    assert "Expected least was" in page
+    assert re.search(r"Known: fruit .*✓ found: the most probable, \d+%", page)
+    assert re.search(r"Known: soft-plastic .*✓ found: the most probable", page)
+    first = client.get(f"/episodes/{episode}?step=1").text
+    assert "✗ not found" in first
+    knock = client.get("/api/v1/recordings?action=knocking").json()["items"]
+    assert len(knock) >= 5
+    shown = client.get(f"/recordings/{knock[0]['id']}").text
+    assert "<audio" in shown
+    assert "pitch [kHz]" in shown
+    assert 'alt="simulated drawing.png"' in shown
+    assert "nothing was knocked on" in shown

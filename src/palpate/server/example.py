@@ -23,7 +23,9 @@ from palpate.recording.measuring import About as AboutRecordings
 from palpate.recording.spool import Spool
 from palpate.robots.recorded import RecordedRobot
 from palpate.robots.sampled import SampledRobot
+from palpate.robots.simulated_truth import LOOKS_LIKE
 from palpate.server.simulated import DATASET, OWNER, simulated, true_value
+from palpate.server.simulated_knocks import knocks
 from palpate.store.describing import change_thing
 from palpate.store.entries import Distribution, Entry, Value
 from palpate.store.filters import Filter
@@ -39,9 +41,9 @@ __all__ = ["add_example"]
 
 COUNT = 2_000
 AT_ONCE = 200
-EXPLORED = "wineglass_ycb"
-"""It looks like glass and is plastic."""
-SEED = 5
+EXPLORED = "banana_ycb"
+"""It looks like a fruit and is plastic: what a camera sees does not fit what was weighed."""
+SEED = 12
 UNITS = {"elasticity": "kPa", "mass": "g"}
 
 
@@ -59,6 +61,7 @@ def add_example(store: Store, *, count: int = COUNT) -> None:
     recordings = iter(()) if _count(store) >= count else simulated(network, count)
     while batch := list(islice(recordings, AT_ONCE)):
         store.put_many(batch)
+    store.put_many(list(knocks(network)))
     _tell_truths(store, network)
     if not list_episodes(store, thing=f"{DATASET}/{EXPLORED}", limit=1).rows:
         _explore(store, network)
@@ -100,7 +103,8 @@ def _tell_truths(store: Store, network: Network) -> None:
     for known in network.objects.values():
         if known.name in there:
             values = {name: true_value(known, name) for name in (*UNITS, "category", "material")}
-            change_thing(store, there[known.name].ref, partial(_knowing, list(_entries(values))), who=OWNER)
+            entries = list(_entries(values))
+            change_thing(store, there[known.name].ref, partial(_told, entries, known.looks_like), who=OWNER)
 
 
 def _entries(values: dict[str, float | str | None]) -> Iterator[Entry]:
@@ -111,7 +115,9 @@ def _entries(values: dict[str, float | str | None]) -> Iterator[Entry]:
             yield Distribution(name, {value: 1.0})
 
 
-def _knowing(entries: Sequence[Entry], thing: Thing) -> Thing:
+def _told(entries: Sequence[Entry], looks_like: str | None, thing: Thing) -> Thing:
+    if looks_like is not None:
+        thing = thing.described(attributes={**thing.ref.attributes, LOOKS_LIKE: looks_like})
     for entry in entries:
         thing = thing.knowing(entry, "what the simulation began with")
     return thing

@@ -14,6 +14,7 @@ from palpate.episode.format import Episode, LoggedStep
 from palpate.errors import LogError
 from palpate.evidence import format_item
 from palpate.outcomes import Above, Below, Failed, Reading
+from palpate.robots.simulated_truth import LOOKS_LIKE
 from palpate.server.api.downloads import SHOWN
 from palpate.server.api.episodes import SeenEpisode
 from palpate.server.api.parameters import StoreOf
@@ -25,14 +26,18 @@ from palpate.server.plots.beliefs import belief_rows
 from palpate.server.plots.drawing import number
 from palpate.server.problems import problem
 from palpate.server.security.who import Who
+from palpate.server.verdicts import verdicts
 from palpate.store import schema
 from palpate.store.episodes import StoredEpisode
 from palpate.store.parts import Head, head_of
+from palpate.store.visible_things import visible_thing
 
 __all__ = ["router"]
 
 router = APIRouter(prefix="/episodes")
 MOST_LABELS = 3
+UNLIKELY = 0.05
+"""An outcome whose surprise number is less is pointed out."""
 QUIET, GONE = timedelta(minutes=5), timedelta(hours=2)
 """After them an exploration that says nothing is said to be quiet, and to be interrupted."""
 
@@ -63,6 +68,7 @@ def one(
     place = asked.step or len(episode.steps)
     step = episode.steps[place - 1] if episode.steps else None
     recording = _recording(store, who, stored, place)
+    thing = visible_thing(store, who.viewer, stored.thing.dataset, stored.thing.id)
     return page(
         request,
         "episode.html",
@@ -74,6 +80,9 @@ def one(
         gains=_gains(step),
         outcome=None if step is None else _told(step),
         rows=[] if step is None else belief_rows(step.before, step.after),
+        truths={} if step is None or thing is None else verdicts(thing.known, step.after),
+        looks_like=None if thing is None else thing.ref.attributes.get(LOOKS_LIKE),
+        oddest=_oddest(episode),
         recording=None if recording is None else str(recording.id),
         pictures=[] if recording is None else _pictures(recording),
         lines=[(one.index, one.action, _told(one), one) for one in episode.steps],
@@ -81,6 +90,13 @@ def one(
         state=_state(stored),
         newest=asked.step is None,
     )
+
+
+def _oddest(episode: Episode) -> LoggedStep | None:
+    """The step whose outcome was expected least; None where none was unlikely."""
+    rated = [(step.surprise, step.index, step) for step in episode.steps if step.surprise is not None]
+    surprise, _, step = min(rated, default=(1.0, 0, None), key=lambda one: one[:2])
+    return step if surprise < UNLIKELY else None
 
 
 def _state(stored: StoredEpisode) -> str:
