@@ -511,6 +511,8 @@ def test_a_typed_measurement(ann: TestClient, store: Store) -> None:
         "kind": "other",
         "visibility": "lab",
     }
+    # when it is mostly typed is soon after it was measured
+    assert re.search(rf'name="recorded_at" value="{datetime.now(UTC):%Y-%m-%d}T\d\d:\d\d"', ann.get("/upload").text)
     odd = ({"value": "nan"}, {"value": "1e400"}, {"sd": "inf"})
     for wrong in (*odd, {"unit": "blorp"}, {"value": "heavy"}, {"recorded_at": "noon"}, {"object": ""}, {"sd": "-1"}):
         refused = ann.post("/upload/one", data={**given, **wrong})
@@ -518,9 +520,11 @@ def test_a_typed_measurement(ann: TestClient, store: Store) -> None:
         assert 'role="alert"' in refused.text
         assert "kitchen scale" in refused.text
     for wrong, told in (
-        ({"value": "-5"}, "value: found -5, expected more than 0"),
-        ({"value": "heavy", "unit": "", "sd": ""}, "value: found the label"),
-        ({"unit": ""}, "unit: is missing"),
+        ({"value": "-5"}, "Value: found -5, expected more than 0"),
+        ({"value": "heavy", "unit": "", "sd": ""}, "Value: found the label"),
+        ({"unit": ""}, "Unit: is missing"),
+        ({"property": "elasticity"}, "Unit: unit &#39;g&#39; is mass; expected pressure, as &#39;Pa&#39;"),
+        ({"object": ""}, "Object: is empty"),
         ({"property": "material", "value": "5", "unit": "", "sd": ""}, "material is a label"),
     ):
         assert told in ann.post("/upload/one", data={**given, **wrong}).text
@@ -540,7 +544,10 @@ def test_a_number_that_is_none_is_not_kept(ann: TestClient, store: Store) -> Non
     given["recorded_at"] = "2024-05-01T12:00"
     for field, number in (("value", "nan"), ("value", "1e400"), ("sd", "inf"), ("sd", "much")):
         found = ann.post("/upload/one", data={**given, field: number})
-        assert (found.status_code, f"{field}: found" in found.text) == (422, True), (field, number)
+        assert (found.status_code, f"{field}: found" in found.text.replace("SD", "sd").replace("Value", "value")) == (
+            422,
+            True,
+        ), (field, number)
     assert list_recordings(store).rows == ()
 
 

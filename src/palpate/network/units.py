@@ -26,6 +26,8 @@ __all__ = ["Unit", "UnitError", "ask_pint", "dimension_fault", "dimension_of", "
 
 SHIPPED = Path(__file__).parents[1] / "data" / "units.json"
 Dimension = Mapping[str, float]
+NAMED = {"force": "N", "pressure": "kPa", "density": "kg/m^3", "volume": "cm^3"}
+"""Dimensions that have a name, each with a unit."""
 LONGEST = 200
 LARGEST_POWER = 1000.0
 """All powers of a unit multiplied, as they may be nested."""
@@ -161,14 +163,20 @@ def dimension_fault(unit: str, units: Sequence[str]) -> str | None:
     Examples
     --------
     >>> dimension_fault("g", ("kg", "N")), dimension_fault("mm", ("kg", "N"))
-    (None, "unit 'mm' is length; expected mass, as 'kg', or length mass time^-2, as 'N'")
+    (None, "unit 'mm' is length; expected mass, as 'kg', or force, as 'N'")
     """
     found = unit_of(unit).dimension
     wanted = {one: unit_of(one).dimension for one in units}
     if found in wanted.values():
         return None
-    expected = ", or ".join(f"{_words(dimension)}, as {one!r}" for one, dimension in wanted.items())
-    return f"unit {unit!r} is {_words(found)}; expected {expected}"
+    expected = ", or ".join(f"{_named(dimension)}, as {one!r}" for one, dimension in wanted.items())
+    return f"unit {unit!r} is {_named(found)}; expected {expected}"
+
+
+def _named(dimension: Dimension) -> str:
+    """A dimension by its name, where people have one for it."""
+    known = {name: unit_of(unit).dimension for name, unit in NAMED.items()}
+    return next((name for name, one in known.items() if one == dimension), None) or _words(dimension)
 
 
 def in_units(formula: Formula, units: Mapping[str, str], unit: str) -> Formula:

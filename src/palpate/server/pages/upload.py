@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from datetime import UTC, datetime
 from typing import IO, Annotated
 from uuid import UUID
 
@@ -21,6 +22,7 @@ from palpate.server.security.sites import check_same_site, form_of
 from palpate.server.security.who import needs
 from palpate.server.state import State, state_of
 from palpate.server.uploading.by_hand import recording_by_hand
+from palpate.server.uploading.form_words import words_of
 from palpate.server.uploading.keeping import keep
 from palpate.server.uploading.previews import MOST_OF_ACCOUNT, Preview, holder_of
 from palpate.server.uploading.reading import read
@@ -54,7 +56,8 @@ def _form(request: Request, given: dict[str, str], fault: str | None) -> HTMLRes
         "upload.html",
         status,
         given=given,
-        fault=fault,
+        preset={"recorded_at": f"{datetime.now(UTC):%Y-%m-%dT%H:%M}"},
+        fault=None if fault is None else words_of(fault),
         largest=largest,
         most_files=MOST_FILES,
         waiting=MOST_OF_ACCOUNT,
