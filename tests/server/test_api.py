@@ -310,3 +310,17 @@ def test_metrics_are_for_this_computer(client: TestClient, store: Store) -> None
     assert client.get("/metrics").status_code == 401
     for here in ("127.0.0.1", "::1"):
         assert TestClient(application(store, SMALL), client=(here, 1)).get("/metrics").status_code == 200
+
+
+@pytest.mark.parametrize("text", ["ceramic mug", "mug ceramic", " MUG   cera", "mug"])
+def test_each_word_of_a_search_is_found_in_any_order(client: TestClient, store: Store, text: str) -> None:
+    """Of objects and of recordings, in the service and on pages; where one word is missing nothing is found."""
+    mug = ThingRef("lab", "one", common_name="ceramic mug", maker="Ann & sons")
+    store.put(squeeze(1, thing=mug, visibility="public"))
+    store.put(squeeze(2, thing=ThingRef("lab", "two", common_name="wooden spoon"), visibility="public"))
+    for kind in ("objects", "recordings"):
+        assert len(client.get(f"{API}/{kind}", params={"text": text}).json()["items"]) == 1
+        assert client.get(f"{API}/{kind}", params={"text": f"{text} spoon"}).json()["items"] == []
+        page = client.get(f"/{kind}", params={"text": text}).text
+        assert ("ceramic mug" in page, "wooden spoon" in page) == (True, False)
+    assert len(client.get(f"{API}/objects", params={"text": "lab sons mug"}).json()["items"]) == 1

@@ -93,7 +93,9 @@ class Which:
         bool | None,
         typer.Option("--ground-truth/--no-ground-truth", help="Known to be true, or not.", rich_help_panel=WHICH),
     ] = None
-    text: Annotated[str | None, typer.Option(help="Part of a name or notice.", rich_help_panel=WHICH)] = None
+    text: Annotated[
+        str | None, typer.Option(help="Words of names or notices, in any order.", rich_help_panel=WHICH)
+    ] = None
 
     def filter(self, store: Store) -> Filter:
         """The same with objects in the place of strings, and the setup of the store that is meant."""

@@ -17,6 +17,7 @@ from palpate.store.errors import StoreError
 from palpate.store.json_columns import HoldsText
 from palpate.store.registry import now_us
 from palpate.store.rows import microseconds
+from palpate.store.search_words import search_words
 
 __all__ = ["Cursor", "Filter", "Sort"]
 
@@ -51,7 +52,7 @@ class Filter:
     ground_truth
         Whether the results are known to be true.
     text
-        A part of names, notices or owner, in any case.
+        Words, each a part of names, notices or owner, in any order and any case.
     visibility
         Who may see it now: private, lab or public; until its embargo ends a recording is private.
     """
@@ -94,8 +95,8 @@ class Filter:
             yield columns.recorded_us >= moment_us("since", self.since)
         if self.until is not None:
             yield columns.recorded_us < moment_us("until", self.until)
-        if self.text is not None:
-            yield columns.words.contains(self.text.casefold(), autoescape=True)
+        for word in search_words(self.text or ""):
+            yield columns.words.contains(word.casefold(), autoescape=True)
 
     def entry_conditions(self) -> list[tuple[str, str | None]]:
         """Properties, with the label where one is asked for."""

@@ -19,6 +19,7 @@ from palpate.store.describing import Fields, fields_of
 from palpate.store.errors import StoreError
 from palpate.store.legible import reading
 from palpate.store.records import ThingRef
+from palpate.store.search_words import search_words
 from palpate.store.store import Store
 from palpate.store.things import Thing, is_thing, things_where
 from palpate.store.viewing import Viewer, known_things
@@ -45,7 +46,7 @@ class ThingFilter:
     Attributes
     ----------
     text
-        A part of dataset, name, common name, maker or an alias, in any case.
+        Words, each a part of dataset, name, common name, maker or an alias, in any order and any case.
     dataset
         As recorded.
     in_none_of
@@ -67,13 +68,13 @@ class ThingFilter:
     def conditions(self, viewer: Viewer) -> Iterator[ColumnElement[bool]]:
         """On `schema.things`."""
         columns = schema.things.c
-        if self.text is not None:
-            asked = self.text.lower()
+        for word in search_words(self.text or ""):
+            asked = word.lower()
             own, more = (columns.dataset, columns.name), (columns.common_name, columns.maker, columns.aliases)
             held, said = (
                 or_(*(func.lower(column).contains(asked, autoescape=True) for column in some)) for some in (own, more)
             )
-            yield or_(held, said & viewer.knows_word(self.text))
+            yield or_(held, said & viewer.knows_word(word))
         if self.dataset is not None:
             yield columns.dataset == self.dataset
         if self.in_none_of:

@@ -77,7 +77,9 @@ class PageQuery(BaseModel):
 class ObjectQuery(PageQuery):
     """Which objects."""
 
-    text: Text | None = Field(None, description="Part of a name, maker or alias, in any case.")
+    text: Text | None = Field(
+        None, description="Words, each a part of a name, maker or alias, in any order and any case."
+    )
     dataset: Text | None = None
     known: list[Pair] = Field([], description="PROPERTY:LABEL that the object is known to be.")
     action: Text | None = Field(None, description="It was measured by this action.")
@@ -108,7 +110,9 @@ class RecordingQuery(PageQuery):
     since: Moment | None = Field(None, description="Recorded then or later; in UTC unless it says otherwise.")
     until: Moment | None = Field(None, description="Recorded before.")
     ground_truth: bool | None = None
-    text: Text | None = Field(None, description="Part of a name, a notice or an owner, in any case.")
+    text: Text | None = Field(
+        None, description="Words, each a part of a name, a notice or an owner, in any order and any case."
+    )
     sort: Literal["recorded", "uploaded", "action"] = "recorded"
     order: Literal["descending", "ascending"] = "descending"
 
