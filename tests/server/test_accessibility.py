@@ -93,14 +93,14 @@ class Place:
             f"/episodes/{shown.id}",
             f"/episodes/{unfinished.id}",
             "/guides",
-            *(f"/guides/{name}" for name in ("record", "upload", "api", "cite", "watch")),
+            *(f"/guides/{name}" for name in ("record", "upload", "accounts", "api", "cite", "watch")),
             "/login",
             "/login/provider",
             "/nothing/of/that/name",
             "/recordings?limit=0",
         ]
-        self.own = ["/objects/lab/bell/edit", f"/recordings/{recording.id}", f"/episodes/{shown.id}", "/upload"]
-        self.own += ["/account", "/users"]
+        self.own = ["/objects/lab/bell/edit", f"/recordings/{recording.id}", f"/episodes/{shown.id}"]
+        self.own += ["/account", "/users", "/upload"]
         self.recording, self.episode = f"/recordings/{recording.id}", f"/episodes/{shown.id}"
         self.made = set[str]()
         """Templates that were made into pages."""

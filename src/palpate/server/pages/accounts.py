@@ -60,10 +60,8 @@ async def change_own(request: Request, store: StoreOf, who: Somebody) -> Respons
 async def _change_password(request: Request, accounts: Accounts, fields: Fields) -> Response:
     if fields.get("new") != fields.get("again"):
         raise StoreError("new password: the second time it is another one")
-    tries = state_of(request).tries
-    tries.check(request, accounts.name)
     # whoever finds a browser that is logged in could guess here as well as at the log-in
-    tries.count(request, accounts.name)
+    state_of(request).tries.count(request, accounts.name)
     await run_in_threadpool(accounts.change_password, fields.get("old", ""), fields.get("new", ""))
     found = RedirectResponse("/account?saved=password", 303)
     # the session of this browser has ended with the others
