@@ -306,6 +306,7 @@ def test_no_address_was_forgotten(client: TestClient, world: World) -> None:
         ("post", f"{API}/recordings/known"),
         ("put", f"{API}/episodes/{{id}}"),
         ("put", f"{API}/episodes/{{id}}/lines/{{position}}"),
+        ("post", f"{API}/tokens"),
         ("delete", f"{API}/tokens/{{id}}"),
         *(one for one in corrections if one[0] != "get"),
         *((method.lower(), f"{API}{of}{path}") for of in SHARED for method, path, _ in SHARING if method != "GET"),

@@ -64,7 +64,7 @@ def is_in(client: TestClient) -> str | None:
     return (
         None
         if 'href="/login"' in page
-        else page.partition('<form class="who"')[2].partition("<span>")[2].partition("<")[0]
+        else page.partition('<form class="who"')[2].partition('<a href="/account">')[2].partition("<")[0]
     )
 
 

@@ -13,7 +13,7 @@ SENTENCES: Mapping[str, str] = {
     "know": "What is known was saved.",
     "replaced": "What is known was saved, in place of what the same source said of it before.",
     "forget": "It is no longer told.",
-    "merge": "It counts as the other object now.",
+    "merge": "The two are one object now.",
     "split": "It is an object of its own again.",
     "undo": "The change was taken back.",
 }
