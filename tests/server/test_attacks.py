@@ -1,6 +1,7 @@
 """What others upload does nothing in a browser, and what they ask does nothing to the server."""
 
 import asyncio
+import logging
 import time
 from urllib.parse import quote
 
@@ -12,6 +13,7 @@ from palpate.server.app import application
 from palpate.server.problems import ProblemError
 from palpate.server.security.bodies import BodyLimits
 from palpate.server.settings import Settings
+from palpate.server.watching import start_log
 from palpate.store.records import FileItem, ThingRef
 from palpate.store.store import Store
 from tests.server.conftest import KEY
@@ -230,6 +232,31 @@ def test_an_unforeseen_error_tells_nothing(
     assert "1234" not in found.text
     assert "1234" in caplog.text
     assert "content-security-policy" in found.headers
+
+
+def test_nobody_writes_lines_into_the_log(
+    client: TestClient,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """What an address says is one word of a line, and no command to a terminal; nor is what an error says."""
+
+    def broken(*_: object, **__: object) -> None:
+        raise RuntimeError("wrong: \x1b[2J\x9b31m")
+
+    monkeypatch.setattr("palpate.server.pages.objects.visible_thing", broken, raising=False)
+    monkeypatch.setattr("palpate.server.api.parameters.visible_thing", broken)
+    assert client.get(f"{API}/objects/a/b%0a%1b%5b31mfalse%20alarm").status_code == 500
+    (record,) = [one for one in caplog.records if one.name == "palpate.server"]
+    assert record.getMessage().isprintable()
+    assert "b%0A%1B%5B31mfalse%20alarm" in record.getMessage()
+    monkeypatch.setattr(logging.getLogger(), "handlers", [])
+    start_log(requests=False)
+    logging.getLogger().handle(record)
+    told = capsys.readouterr().err
+    assert "\\x1b[2J\\x9b31m" in told
+    assert all(line.isprintable() for line in told.splitlines())
 
 
 def test_addresses_that_ask_too_often_wait(store: Store) -> None:

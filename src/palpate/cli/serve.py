@@ -34,7 +34,9 @@ def serve(
     ] = None,
     rate: Annotated[
         float | None,
-        typer.Option(min=0.1, help="Requests a second from one address; 50 unless only for this computer."),
+        typer.Option(
+            min=0.1, help="Requests a second from one address (50 unless only for this computer); ten times by tokens."
+        ),
     ] = None,
 ) -> None:
     """Serve the store as pages and as a web service, until interrupted."""

@@ -24,6 +24,7 @@ from palpate.server.rest import addresses
 from palpate.server.security.bodies import BodyLimits
 from palpate.server.security.headers import SecurityHeaders
 from palpate.server.security.hosts import KnownHosts
+from palpate.server.security.places import Places
 from palpate.server.security.rates import Rate, RateLimit
 from palpate.server.settings import Settings
 from palpate.server.state import State
@@ -40,6 +41,8 @@ PROBLEMS: dict[int | str, dict[str, Any]] = {
 }
 BURST_S = 20.0
 """An address may ask at once what it may ask in so many seconds."""
+OF_ACCOUNT = 10
+"""An account may ask by its tokens so many times as often as an address."""
 THREADS = 12
 """More of them only wait for each other; for each there is a connection to the database."""
 CACHE_BYTES = 8 << 20
@@ -115,6 +118,10 @@ def _middleware(settings: Settings) -> list[Middleware]:
         Middleware(KnownHosts, hosts=settings.hosts),
     ]
     if settings.requests_per_s is not None:
-        rate = Rate(settings.requests_per_s, round(BURST_S * settings.requests_per_s) or 1)
-        found.append(Middleware(RateLimit, rate=rate))
-    return [*found, Middleware(Unexpected), Middleware(BodyLimits, largest=largest)]
+        of_address, of_account = (_rate(times * settings.requests_per_s) for times in (1, OF_ACCOUNT))
+        found.append(Middleware(RateLimit, of_address=of_address, of_account=of_account))
+    return [*found, Middleware(Places), Middleware(Unexpected), Middleware(BodyLimits, largest=largest)]
+
+
+def _rate(per_s: float) -> Rate:
+    return Rate(per_s, round(BURST_S * per_s) or 1)

@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from http import HTTPStatus
 from typing import Any
+from urllib.parse import quote
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
@@ -200,7 +201,8 @@ class Unexpected:
         try:
             await self.app(scope, receive, sending)
         except Exception:
-            _log.exception("an error of the server: %s %s", scope["method"], scope["path"])
+            # what is no letter is written as in an address, so that nobody writes lines of their own into the log
+            _log.exception("an error of the server: %s %s", scope["method"], quote(scope["path"]))
             if sending.status is not None:
                 raise
             found = problem(500, "an error of the server, which is in its log")

@@ -7,6 +7,7 @@ import os
 import re
 import secrets
 import socket
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -26,7 +27,8 @@ HOST = re.compile(r"[a-z0-9]([a-z0-9.-]*[a-z0-9])?|[0-9a-f:.]+")
 KEEP_ALIVE_S = 10
 GRACE_S = 20
 """How long answers may take that are under way when the server is told to stop."""
-MOST_AT_ONCE = 500
+FILES = 8192
+"""What a process may have open: connections that come at once are counted only when each of them is there."""
 
 
 class Address:
@@ -143,6 +145,7 @@ def serve(settings: Settings, address: Address, *, workers: int = 1) -> None:
     """Serve until told to stop; then answer what is under way, and no more."""
     with _shared_metrics(workers), TemporaryDirectory(prefix="palpate-previews-") as previews:
         replace(settings, previews=previews).to_environment()
+        _allow_files()
         uvicorn.run(
             "palpate.server.app:from_environment",
             factory=True,
@@ -156,9 +159,20 @@ def serve(settings: Settings, address: Address, *, workers: int = 1) -> None:
             date_header=True,
             timeout_keep_alive=KEEP_ALIVE_S,
             timeout_graceful_shutdown=GRACE_S,
-            limit_concurrency=MOST_AT_ONCE,
             h11_max_incomplete_event_size=32 << 10,
         )
+
+
+def _allow_files() -> None:
+    """Let this process and its workers have as many files open as they need, as far as the system lets them."""
+    if sys.platform == "win32":
+        return
+    import resource
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = FILES if hard == resource.RLIM_INFINITY else min(FILES, hard)
+    if soft != resource.RLIM_INFINITY and soft < wanted:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
 
 
 @contextmanager

@@ -36,7 +36,8 @@ class Settings:
     largest_body_bytes
         Of any other request.
     requests_per_s
-        From one address in the long run; without a limit where it is None.
+        From one address in the long run, and ten times as many from an account by its tokens; without a limit where it
+        is None.
     secure
         Whether people reach it over TLS, so that their browsers are told to insist on it.
     proxied

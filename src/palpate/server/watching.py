@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import re
 import sys
 import time
 
@@ -27,6 +28,7 @@ __all__ = ["Watching", "router", "start_log"]
 _log = logging.getLogger("palpate.server.requests")
 router = APIRouter(tags=["health"])
 BUCKETS = (0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0)
+CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 REQUESTS = Counter("palpate_requests", "Requests answered", ("method", "route", "status"))
 SECONDS = Histogram("palpate_request_seconds", "Time to the last byte", ("method", "route"), buckets=BUCKETS)
 
@@ -60,8 +62,17 @@ def _registry() -> CollectorRegistry:
 
 def start_log(*, requests: bool) -> None:
     """Write what goes wrong to standard error, and each request where that is wanted."""
-    logging.basicConfig(format="%(message)s", stream=sys.stderr)
+    written = logging.StreamHandler(sys.stderr)
+    written.setFormatter(_Legible("%(message)s"))
+    logging.basicConfig(handlers=[written])
     _log.setLevel(logging.INFO if requests else logging.WARNING)
+
+
+class _Legible(logging.Formatter):
+    """Writes what a terminal would take for a command as its number; the lines of an error stay lines."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        return CONTROL.sub(lambda found: f"\\x{ord(found[0]):02x}", super().format(record))
 
 
 class Watching:

@@ -1,40 +1,85 @@
-"""Connections that are held open for nothing: by sending headers slowly, or by not reading what was asked for."""
+"""Connections that are held open for nothing: very many of them, by slow headers, or by not reading what was asked."""
 
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Iterable
 from typing import Any
 
+from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-__all__ = ["HELD_S", "MindedConnection"]
+from palpate.server.security.addresses import network_at
+
+__all__ = ["HELD_S", "MOST_OPEN", "MOST_OPEN_OF_A_NETWORK", "MindedConnection"]
 
 HELD_S = 20.0
 """Headers that take longer are let go."""
 IDLE_LOOKS = 3
 """Readers that take nothing for so many times as long; the system takes some of an answer before they do."""
+MOST_OPEN = 700
+"""Connections: fewer than the 1024 files that many systems let a program open, as a database and uploads need some."""
+MOST_OPEN_OF_A_NETWORK = 200
 
 
 class MindedConnection(H11Protocol):
-    """A connection that ends when nothing became of it between looks.
+    """A connection that ends when nothing became of it between looks, or when others need its place meanwhile.
 
     Bodies that come slowly are for `palpate.server.security.bodies`, which tells the sender; and a connection that
-    waits for its next request is for the server's own time of keeping it.
+    waits for its next request is for the server's own time of keeping it. How many requests are answered at once is
+    for `palpate.server.security.places`: as these are fewer than connections, one that waits can be found.
     """
 
     held_s = HELD_S
+    most_open = MOST_OPEN
+    most_of_a_network = MOST_OPEN_OF_A_NETWORK
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Begin to look."""
         super().connection_made(transport)
         self._seen: Any = None
         self._unread = self._idle = 0
+        self._waits_since_s = self.loop.time()
+        # None where it may be anybody's
+        self._network = None if self._is_of_proxy() else network_at(self._host())
         self._look = self.loop.call_later(self.held_s, self._mind)
+        self._make_room()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Look no more."""
         self._look.cancel()
         super().connection_lost(exc)
+
+    def on_response_complete(self) -> None:
+        """Wait for the next request."""
+        self._waits_since_s = self.loop.time()
+        super().on_response_complete()
+
+    def _host(self) -> str:
+        return self.client[0] if self.client else ""
+
+    def _is_of_proxy(self) -> bool:
+        """Whether it is from where requests of others are passed on."""
+        app = self.config.loaded_app
+        return isinstance(app, ProxyHeadersMiddleware) and self._host() in app.trusted_hosts
+
+    def _make_room(self) -> None:
+        there = [one for one in self.connections if isinstance(one, MindedConnection) and one.is_held]
+        own = [one for one in there if one._network == self._network]
+        if self._network is not None and len(own) > self.most_of_a_network:
+            _end_longest_waiting(own)
+        elif len(there) > self.most_open:
+            _end_longest_waiting(there)
+
+    @property
+    def is_held(self) -> bool:
+        """Whether it has not been told to end."""
+        return not self.transport.is_closing()
+
+    @property
+    def waits(self) -> bool:
+        """Whether no request is under way."""
+        return self.cycle is None or self.cycle.response_complete
 
     def _mind(self) -> None:
         unread = self.transport.get_write_buffer_size()
@@ -43,9 +88,14 @@ class MindedConnection(H11Protocol):
             # closing would wait until it is read
             self.transport.abort()
             return
-        asks = self.cycle is None or self.cycle.response_complete
-        if asks and not unread and self.cycle is self._seen:
+        if self.waits and not unread and self.cycle is self._seen:
             self.transport.close()
             return
         self._seen, self._unread = self.cycle, unread
         self._look = self.loop.call_later(self.held_s, self._mind)
+
+
+def _end_longest_waiting(connections: Iterable[MindedConnection]) -> None:
+    """The one that has just come waits too, so that there is one."""
+    found = min((one for one in connections if one.waits), key=lambda one: one._waits_since_s)
+    found.transport.abort()
