@@ -13,6 +13,7 @@ import pyarrow as pa
 import pytest
 from fastapi.testclient import TestClient
 
+from palpate.network import units
 from palpate.server.api import models
 from palpate.server.app import application
 from palpate.store.describing import change_thing, keep_image
@@ -250,6 +251,21 @@ def test_entries_devices_setups_properties(client: TestClient, store: Store) -> 
         {"name": "elasticity", "unit": "kPa", "entries": 2},
         {"name": "mass", "unit": "g", "entries": 1},
     ]
+
+
+def test_a_unit_that_is_no_longer_known_spoils_no_list(
+    client: TestClient, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What was kept by another version is told as it was given, and without a value in SI units."""
+    with monkeypatch.context() as other:
+        known = dict(units._shipped())
+        other.setattr(units, "_shipped", lambda: {**known, "formerly": known["g"]})
+        given = (Value("mass", 5.0, 1.0, "formerly"), Value("mass", 7.0, None, "g"))
+        store.put(squeeze(visibility="public", entries=given))
+    units.unit_of.cache_clear()
+    rows = client.get(f"{API}/entries").json()["items"]
+    assert [(row["value_si"], row["sd_si"], row["label"]) for row in rows] == [(None, None, None), (0.007, None, None)]
+    assert rows[0]["entry"] == {"kind": "value", "property": "mass", "value": 5.0, "sd": 1.0, "unit": "formerly"}
 
 
 def test_episodes_lead_to_their_recordings(client: TestClient, store: Store) -> None:
