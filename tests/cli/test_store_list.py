@@ -133,6 +133,8 @@ def test_recordings_are_found_by_what_is_known(run: Any, place: Path) -> None:
     rows = json.loads(run("store", "list", "--known", "kind=mug", "--json").out)["recordings"]
     assert {row["thing"] for row in rows} == {"object0"}
     assert len(rows) == 4
+    both = run("store", "list", "--known", "kind=box", "--known", "kind=mug", "--json")
+    assert "--known: the store has no known label of kind 'box'" in both.err
 
 
 UNKNOWN = {

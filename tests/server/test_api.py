@@ -149,6 +149,10 @@ def test_a_sound_can_be_heard(client: TestClient, store: Store) -> None:
         ("label=material:wood", {1}),
         ("known=material:metal", {2, 5}),
         ("material=metal", {2, 5}),
+        ("known=material:wood&known=material:metal", set()),
+        ("known=material:wood&material=metal", set()),
+        ("label=material:foam&label=material:wood", set()),
+        ("label=material:wood&label=material:wood", {1}),
         ("sort=recorded&order=ascending&limit=1", {0}),
         ("action=&owner=", {0, 1, 2, 3, 4, 5}),
     ],
@@ -176,6 +180,8 @@ def test_fields_are_those_asked_for(client: TestClient, store: Store) -> None:
     store.put(public())
     (item,) = client.get(f"{API}/recordings?fields=action,id").json()["items"]
     assert list(item) == ["action", "id"]
+    (same,) = client.get(f"{API}/recordings?fields=action&fields=id").json()["items"]
+    assert same == item
     wrong = client.get(f"{API}/recordings?fields=action,colour")
     assert wrong.status_code == 422
     assert wrong.json()["errors"][0]["field"] == "query.fields"

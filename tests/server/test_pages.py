@@ -2,6 +2,7 @@
 
 import re
 from functools import partial
+from html import unescape
 from html.parser import HTMLParser
 
 import pytest
@@ -227,3 +228,20 @@ def test_the_example_is_seen_and_heard_and_its_story_is_told(client: TestClient,
     assert "pitch [kHz]" in shown
     assert 'alt="simulated drawing.png"' in shown
     assert "nothing was knocked on" in shown
+
+
+def test_what_is_asked_twice_stays_asked(client: TestClient, store: Store) -> None:
+    """On the next page, on the first one again, and by a form that has no field for it."""
+    twice = (Distribution("material", {"wood": 1.0}), Distribution("category", {"cube": 1.0}))
+    store.put_many([squeeze(number, entries=twice, visibility="public", ground_truth=True) for number in range(3)])
+    asked = ["known=material%3Awood", "known=category%3Acube"]
+    for address, kind in (("/recordings", "recording"), ("/objects", "object")):
+        first = client.get(f"{address}?{'&'.join(asked)}&text=made&limit=1").text
+        (following,) = re.findall(r'rel="next" href="([^"]*)"', first)
+        query = unescape(following).partition("?")[2].split("&")
+        assert [part for part in query if not part.startswith("cursor=")] == [*asked, "text=made", "limit=1"], kind
+        again = client.get(unescape(following)).text
+        (back,) = re.findall(r'<a href="([^"]*)">First page', again)
+        assert unescape(back) == f"{address}?{'&'.join(asked)}&text=made&limit=1"
+        hidden = re.findall(r'<input type="hidden" name="([^"]*)" value="([^"]*)">', again.partition("<h1>")[2])
+        assert hidden == [("known", "material:wood"), ("known", "category:cube"), ("limit", "1")]

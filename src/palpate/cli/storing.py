@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -68,14 +69,14 @@ def check_name(option: str, found: str, names: Iterable[str]) -> None:
         raise PalpateError(f"{option}: {found!r} was found{near(found, names)}; {choices(names)}")
 
 
-def labels_of(option: str, texts: Iterable[str]) -> Mapping[str, str]:
-    """``PROPERTY=LABEL`` as pairs."""
-    labels = {}
+def labels_of(option: str, texts: Iterable[str]) -> Mapping[str, list[str]]:
+    """The labels of each property, from ``PROPERTY=LABEL``."""
+    labels = defaultdict[str, list[str]](list)
     for text in texts:
         name, equals, label = text.partition("=")
         if not (name and equals and label):
             raise PalpateError(f"{option}: {text!r} was found, expected PROPERTY=LABEL")
-        labels[name] = label
+        labels[name].append(label)
     return labels
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 
@@ -19,8 +19,10 @@ from palpate.store.registry import now_us
 from palpate.store.rows import microseconds
 from palpate.store.search_words import search_words
 
-__all__ = ["Cursor", "Filter", "Sort"]
+__all__ = ["Cursor", "Filter", "Labels", "Sort", "each_label"]
 
+Labels = Mapping[str, str | Sequence[str]]
+"""A label for each property, or several that all hold."""
 SORTS = ("recorded", "uploaded", "action")
 
 
@@ -40,7 +42,7 @@ class Filter:
         For categorical properties the most probable label that was measured, as ``{"material": "wood"}``.
     known
         What the object is known to be, as ``{"category": "mug"}``: by its description, or by a recording that is
-        ground truth.
+        ground truth. Several labels of one property all hold: ``{"material": ["wood", "metal"]}``, here as in `labels`.
     device
         Name of any device of the setup.
     gripper
@@ -62,8 +64,8 @@ class Filter:
     action: str | None = None
     owner: str | None = None
     property: str | None = None
-    labels: Mapping[str, str] = field(default_factory=dict)
-    known: Mapping[str, str] = field(default_factory=dict)
+    labels: Labels = field(default_factory=dict)
+    known: Labels = field(default_factory=dict)
     device: str | None = None
     gripper: str | None = None
     setup: str | None = None
@@ -83,7 +85,7 @@ class Filter:
             yield is_seen_as(schema.recordings, self.visibility, now_us())
         if self.thing is not None or self.dataset is not None:
             yield columns.thing_id.in_(things_named(self.thing, self.dataset))
-        for name, label in self.known.items():
+        for name, label in each_label(self.known):
             yield columns.thing_id.in_(things_known(name, label))
         if self.device is not None:
             yield columns.setup_id.in_(_setups_with(self.device))
@@ -100,10 +102,22 @@ class Filter:
 
     def entry_conditions(self) -> list[tuple[str, str | None]]:
         """Properties, with the label where one is asked for."""
-        found: list[tuple[str, str | None]] = list(self.labels.items())
+        found: list[tuple[str, str | None]] = list(each_label(self.labels))
         if self.property is not None and self.property not in self.labels:
             found.append((self.property, None))
         return found
+
+
+def each_label(labels: Labels) -> Iterator[tuple[str, str]]:
+    """Properties and labels in pairs.
+
+    Examples
+    --------
+    >>> list(each_label({"category": "mug", "material": ["wood", "metal"]}))
+    [('category', 'mug'), ('material', 'wood'), ('material', 'metal')]
+    """
+    for name, some in labels.items():
+        yield from ((name, label) for label in ([some] if isinstance(some, str) else some))
 
 
 @dataclass(frozen=True)

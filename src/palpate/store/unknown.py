@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from sqlalchemy import Column, Connection, Select, select
 
 from palpate.store import schema
-from palpate.store.filters import Filter
+from palpate.store.filters import Filter, each_label
 from palpate.store.legible import reading
 from palpate.store.store import Store
 
@@ -79,7 +79,7 @@ def _unknown_results(connection: Connection, wanted: Filter) -> Iterator[Unknown
     truths = measured.join(schema.recordings, recordings.id == results.recording_id).where(recordings.ground_truth)
     told = select(said.property, said.label)
     for field, kind, asked in (("labels", "", (measured,)), ("known", "known ", (truths, told))):
-        for name, label in getattr(wanted, field).items():
+        for name, label in each_label(getattr(wanted, field)):
             there = _labels(connection, asked)
             unknown = [*_missing(field, name, f"{kind}property", set(there))]
             yield from unknown or _missing(field, label, f"{kind}label of {name}", there[name])

@@ -22,7 +22,7 @@ from palpate.store import schema
 from palpate.store.completing import ADDED, CHANGED, OF_ARCHIVES
 from palpate.store.content import to_json
 from palpate.store.embargo import is_over
-from palpate.store.filters import Filter, things_named
+from palpate.store.filters import Filter, each_label, things_named
 from palpate.store.json_columns import Holds, holds_line
 from palpate.store.registry import now_us
 
@@ -161,7 +161,7 @@ class VisibleFilter(Filter):
         yield from super(VisibleFilter, replace(self, known={}, thing=None, dataset=None)).conditions()
         if self.thing is not None or self.dataset is not None:
             yield columns.thing_id.in_(things_named(self.thing, self.dataset, self.viewer.knows_name))
-        for name, label in self.known.items():
+        for name, label in each_label(self.known):
             yield columns.thing_id.in_(known_things(self.viewer, name, label))
         if not self.viewer.everything:
             yield self.viewer.of(schema.recordings)

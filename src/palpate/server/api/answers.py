@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from fastapi import Request
@@ -42,13 +42,14 @@ def page(request: Request, query: PageQuery, items: Iterable[Plain], cursor: str
     return Answer({"items": found, "next": cursor}, headers=headers)
 
 
-def _chosen(item: Plain, fields: str | None) -> Plain:
-    if fields is None:
+def _chosen(item: Plain, fields: Sequence[str]) -> Plain:
+    if not fields:
         return item
-    names = [name for name in fields.split(",") if name]
+    asked = ",".join(fields)
+    names = [name for name in asked.split(",") if name]
     unknown = [name for name in names if name not in item]
     if unknown or not names:
-        told = f"found {fields!r}, expected some of {', '.join(item)}"
+        told = f"found {asked!r}, expected some of {', '.join(item)}"
         raise problem(422, f"query.fields: {told}", [{"field": "query.fields", "detail": told}])
     return {name: item[name] for name in names}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+from collections import defaultdict
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import Annotated, Any, Literal
@@ -65,7 +66,7 @@ class PageQuery(BaseModel):
 
     limit: int = Field(50, ge=1, le=LONGEST_PAGE, description="Rows of a page.")
     cursor: CursorText | None = Field(None, description="`next` of the page before.")
-    fields: Text | None = Field(None, description="Only these fields of each item, separated by commas.")
+    fields: list[Text] = Field([], description="Only these fields of each item, separated by commas.")
 
     @model_validator(mode="before")
     @classmethod
@@ -120,12 +121,11 @@ class RecordingQuery(PageQuery):
         """The same for the store, with who looks."""
         same = ("dataset", "action", "property", "device", "gripper", "setup", "owner")
         more = ("since", "until", "ground_truth", "text")
-        known = dict(pairs(self.known))
-        known |= {name: label for name in ("category", "material") if (label := getattr(self, name)) is not None}
+        said = [(name, label) for name in ("category", "material") if (label := getattr(self, name)) is not None]
         return VisibleFilter(
             thing=self.object,
-            labels=dict(pairs(self.label)),
-            known=known,
+            labels=_by_property(pairs(self.label)),
+            known=_by_property([*pairs(self.known), *said]),
             viewer=viewer,
             **{name: getattr(self, name) for name in (*same, *more)},
         )
@@ -160,3 +160,10 @@ class EpisodeQuery(PageQuery):
 def pairs(texts: Sequence[str]) -> list[tuple[str, str]]:
     """``PROPERTY:LABEL`` apart."""
     return [(name, label) for name, _, label in (text.partition(":") for text in texts)]
+
+
+def _by_property(found: Sequence[tuple[str, str]]) -> dict[str, list[str]]:
+    labels = defaultdict[str, list[str]](list)
+    for name, label in found:
+        labels[name].append(label)
+    return dict(labels)

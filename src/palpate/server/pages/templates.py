@@ -14,6 +14,7 @@ from urllib.parse import urlencode
 from fastapi import Request
 from fastapi.responses import HTMLResponse
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from starlette.datastructures import QueryParams
 
 from palpate import __version__
 from palpate.server.names import thing_address
@@ -37,7 +38,7 @@ def page(
     """A page from a template; ``path``, ``query`` and ``account`` tell each what was asked, and by whom."""
     account = getattr(request.state, "account", Account())
     nonce = token_urlsafe(16)
-    told = {"path": request.url.path, "query": dict(request.query_params), "account": account, "nonce": nonce}
+    told = {"path": request.url.path, "query": request.query_params, "account": account, "nonce": nonce}
     told |= {"may_upload": account.role >= Role.OWNER, "way_in": way_in(request)}
     body = _environment().get_template(template).render({**told, **values})
     return HTMLResponse(body, status, {"Content-Security-Policy": policy(nonce), **(headers or {})})
@@ -143,10 +144,10 @@ def search(path: str, **values: str) -> str:
     return f"{path}?{urlencode(values)}"
 
 
-def _with_query(path: str, query: Mapping[str, str], **changes: str | None) -> str:
-    """The same address with other parameters; one that is None is left out."""
-    found = {**query, **changes}
-    asked = urlencode({name: value for name, value in found.items() if value is not None})
+def _with_query(path: str, query: QueryParams, **changes: str | None) -> str:
+    """The same address with other parameters, each as often as it was given; one that is None is left out."""
+    same = [(name, value) for name, value in query.multi_items() if name not in changes]
+    asked = urlencode([*same, *((name, value) for name, value in changes.items() if value is not None)])
     return f"{path}?{asked}" if asked else path
 
 
