@@ -1,8 +1,10 @@
 """What others upload does nothing in a browser, and what they ask does nothing to the server."""
 
 import asyncio
+import json
 import logging
 import time
+from base64 import urlsafe_b64encode
 from urllib.parse import quote
 
 import pytest
@@ -118,6 +120,43 @@ ODD = [
     "colour=red",
     "ground_truth=perhaps",
 ]
+
+
+HALF, ZERO, LARGE = "\ud800", "a\0b", 1 << 63
+ODD_PLACES = [
+    ("recordings?sort=action", ["action", True, HALF, 1]),
+    ("recordings?sort=action", ["action", True, ZERO, 1]),
+    ("recordings?sort=action", ["action", True, "squeezing", LARGE]),
+    ("recordings?sort=recorded", ["recorded", True, -LARGE - 1, 1]),
+    ("recordings?sort=recorded", ["recorded", True, None, 1]),
+    ("entries?sort=action", ["action", True, HALF, 1]),
+    ("entries?sort=action", ["action", True, ZERO, 1]),
+    ("objects?limit=9", [HALF, "cup"]),
+    ("objects?limit=9", ["lab", ZERO]),
+    ("episodes?limit=9", ["recorded", True, 1, LARGE]),
+]
+
+
+@pytest.mark.parametrize(("address", "place"), ODD_PLACES)
+def test_cursors_that_no_database_can_look_for(
+    client: TestClient, store: Store, address: str, place: list[object]
+) -> None:
+    """Half a letter, a zero byte or a number beyond 64 bits in a cursor is an error of who asks."""
+    store.put(squeeze(visibility="public"))
+    cursor = urlsafe_b64encode(json.dumps(place).encode()).decode().rstrip("=")
+    found = client.get(f"{API}/{address}&cursor={cursor}")
+    assert (found.status_code, found.json()["errors"][0]["field"]) == (422, "query.cursor"), found.text
+
+
+@pytest.mark.parametrize("asked", ["known=%00:a", "known=material:w%00d", "known=%ED%A0%80:a", "text=%ED%A0%80"])
+@pytest.mark.parametrize("resource", ["recordings", "objects"])
+def test_texts_that_no_database_can_look_for(client: TestClient, resource: str, asked: str) -> None:
+    """A zero byte is refused by the name of the parameter; bytes that are no text are looked for as what they show."""
+    for address in (f"{API}/{resource}", f"/{resource}"):
+        found = client.get(f"{address}?{asked}")
+        expected = 422 if "%00" in asked else 200
+        assert found.status_code == expected, (address, found.text)
+        assert expected == 200 or asked.partition("=")[0] in found.text
 
 
 @pytest.mark.parametrize("resource", ["recordings", "entries"])

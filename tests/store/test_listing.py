@@ -5,10 +5,13 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from sqlalchemy import ColumnElement, select
 
+from palpate.store import schema
 from palpate.store.entries import Distribution, FailedEntry, Value
 from palpate.store.errors import DamagedError, StoreError
 from palpate.store.filters import Filter, Sort
+from palpate.store.legible import reading
 from palpate.store.listing import Listed, list_recordings, to_arrow
 from palpate.store.records import Device, Recording, Setup, ThingRef
 from palpate.store.store import Store
@@ -169,3 +172,29 @@ def test_common_names_and_aliases_find_objects(local: Store) -> None:
     for name in ("007", 'plastic "mug"', "Tasse_"):
         assert len(list_recordings(local, Filter(thing=name)).rows) == 1
     assert not list_recordings(local, Filter(thing="Tass")).rows
+
+
+UNASKABLE = [
+    schema.recordings.c.action == "half of a pair \ud800",
+    schema.recordings.c.owner == "a zero \0 byte",
+    schema.recordings.c.id == 1 << 64,
+]
+
+
+@pytest.mark.parametrize("condition", UNASKABLE, ids=["half", "zero", "number"])
+def test_what_cannot_be_looked_for_is_no_outage(store: Store, condition: ColumnElement[bool]) -> None:
+    """Who asks so is told so, as the database is neither away nor damaged; SQLite can look for a zero byte."""
+    store.put(squeeze())
+    asked = select(schema.recordings.c.id).where(condition)
+    if condition is UNASKABLE[1] and store.engine.dialect.name == "sqlite":
+        with reading(store.engine) as connection:
+            assert connection.scalar(asked) is None
+        return
+    with (
+        pytest.raises(StoreError, match="is none that a database can look for") as told,
+        reading(store.engine) as asking,
+    ):
+        asking.execute(asked)
+    assert type(told.value) is StoreError
+    assert "sqlite" not in str(told.value)
+    assert "postgresql" not in str(told.value)

@@ -153,7 +153,9 @@ async def _invalid(request: Request, error: Any) -> Response:
 
 
 def _said(error: Mapping[str, Any]) -> str:
-    return "is not known here, leave it out" if error["type"] == "extra_forbidden" else str(error["msg"])
+    # which class of Python's errors it was is nothing to who asks
+    said = str(error["msg"]).removeprefix("Value error, ")
+    return "is not known here, leave it out" if error["type"] == "extra_forbidden" else said
 
 
 def _path(places: Sequence[str | int]) -> str:

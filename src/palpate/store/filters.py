@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -12,6 +10,7 @@ from sqlalchemy import ColumnElement, Select, func, or_, select, union
 
 from palpate.errors import choices
 from palpate.store import schema
+from palpate.store.cursors import cursor_text, place_of
 from palpate.store.embargo import is_seen_as
 from palpate.store.errors import StoreError
 from palpate.store.json_columns import HoldsText
@@ -147,8 +146,7 @@ class Cursor:
     row: int
 
     def __str__(self) -> str:
-        plain = json.dumps([self.sort.by, self.sort.descending, self.value, self.row])
-        return base64.urlsafe_b64encode(plain.encode()).decode().rstrip("=")
+        return cursor_text([self.sort.by, self.sort.descending, self.value, self.row])
 
     @classmethod
     def parse(cls, text: str, sort: Sort) -> Cursor:
@@ -159,17 +157,12 @@ class Cursor:
         StoreError
             If it is something else.
         """
-        try:
-            plain = json.loads(base64.urlsafe_b64decode(text + "=" * (-len(text) % 4)))
-            by, descending, value, row = plain
-        except (ValueError, TypeError):
-            plain, by, descending, value, row = None, "", False, "", 0
-        kind = str if sort.by == "action" else int
-        if (by, descending) != (sort.by, sort.descending) or type(value) is not kind or type(row) is not int:
-            raise StoreError(
-                f"cursor: {text!r} is not of a list sorted like this, expected the cursor of its last page"
-            )
-        return cls(sort, value, row)
+        place = place_of(text) or []
+        kinds = [str if sort.by == "action" else int, int]
+        if place[:2] != [sort.by, sort.descending] or [type(part) for part in place[2:]] != kinds:
+            told = "is not of a list sorted like this, expected the cursor of its last page"
+            raise StoreError(f"cursor: {text!r} {told}")
+        return cls(sort, *place[2:])
 
 
 def things_named(

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from sqlalchemy import Connection, Engine
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import DataError, DBAPIError
 
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
+from palpate.store.outages import not_asked
 
 __all__ = ["legible", "reading"]
 
@@ -50,6 +51,8 @@ def reading(engine: Engine) -> Iterator[Connection]:
 
     Raises
     ------
+    StoreError
+        If something is looked for that no database can look for.
     DamagedError
         If what is stored cannot be read, or tables are missing.
     UnavailableError
@@ -60,4 +63,6 @@ def reading(engine: Engine) -> Iterator[Connection]:
         with legible(place), engine.connect() as connection:
             yield connection
     except DBAPIError as error:
+        if isinstance(error, DataError) and (flaw := not_asked(error)) is not None:
+            raise flaw from None
         raise UnavailableError(f"{place}: {' '.join(str(error.orig).split())}") from None

@@ -10,10 +10,11 @@ from typing import TypeVar
 
 from sqlalchemy import Engine, event
 from sqlalchemy.engine import ExceptionContext
+from sqlalchemy.exc import DataError
 
 from palpate.store.errors import DamagedError, IncompleteError, StoreError, UnavailableError
 
-__all__ = ["LostError", "not_kept", "outage", "patiently", "tell_outages"]
+__all__ = ["LostError", "not_asked", "not_kept", "outage", "patiently", "tell_outages"]
 
 PATIENCE_S = 30.0
 """How long a server may be away, as while it is restarted."""
@@ -26,6 +27,8 @@ MISSING_STATES = ("42P01", "42703")
 """PostgreSQL's codes for tables and columns."""
 NOT_TAKEN = ("22", "54")
 """PostgreSQL's classes of errors for what is sent: no data of its type, and more than its limits allow."""
+NOT_ASKED = (None, "22003", "22021", "22P05")
+"""Its codes for a number out of range and for letters that it does not have; none where the driver says so."""
 Done = TypeVar("Done")
 
 
@@ -46,15 +49,27 @@ def tell_outages(engine: Engine) -> None:
 
 
 def outage(engine: Engine, error: BaseException, *, lost: bool) -> StoreError | None:
-    """What an error of the driver is where something is damaged, or the server is `lost`; None where it is neither."""
+    """What an error of the driver is: something is damaged, cannot be asked for, or the server is `lost`; or None."""
     place, said = f"store {engine.url!r}", " ".join(str(error).split())
     if said.startswith(MISSING) or getattr(error, "sqlstate", None) in MISSING_STATES:
         return IncompleteError(f"{place}: {said}; expected all tables that palpate made")
     if getattr(error, "sqlite_errorname", "").startswith(DAMAGED) or said.startswith(UNDECODED):
         return DamagedError(f"{place}: {said}; expected the SQLite file that was written")
+    if isinstance(error, UnicodeEncodeError | OverflowError):
+        # the driver has not asked yet, and the database is there
+        return not_asked()
     if lost and engine.dialect.name == "postgresql":
         return LostError(f"{place}: {said}; expected a server that answers")
     return None
+
+
+def not_asked(error: DataError | None = None) -> StoreError | None:
+    """What is wrong with a question where the database, or its driver, does not take what is looked for."""
+    if error is not None and getattr(error.orig, "sqlstate", None) not in NOT_ASKED:
+        return None
+    return StoreError(
+        "a number or a text is none that a database can look for, expected numbers of 64 bits and letters"
+    )
 
 
 def not_kept(engine: Engine, error: BaseException) -> StoreError:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import json
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,6 +13,7 @@ from palpate.store.audit import MERGED
 from palpate.store.chunks import chunks
 from palpate.store.completing import ADDED, CHANGED
 from palpate.store.content import to_json
+from palpate.store.cursors import cursor_text, place_of
 from palpate.store.describing import Fields, fields_of
 from palpate.store.errors import StoreError
 from palpate.store.legible import reading
@@ -245,17 +244,14 @@ def _without(thing: Thing, hidden: Collection[tuple[str, ...]]) -> Thing:
 
 
 def _cursor(thing: ThingRef) -> str:
-    return base64.urlsafe_b64encode(json.dumps([thing.dataset, thing.id]).encode()).decode().rstrip("=")
+    return cursor_text([thing.dataset, thing.id])
 
 
 def _place(cursor: str) -> Sequence[str]:
-    try:
-        plain = json.loads(base64.urlsafe_b64decode(cursor + "=" * (-len(cursor) % 4)))
-    except (ValueError, RecursionError):
-        plain = None
-    if not (isinstance(plain, list) and len(plain) == 2 and all(isinstance(part, str) for part in plain)):
-        raise StoreError(f"cursor: {cursor!r} is not of a list of objects, expected the cursor of its last page")
-    return plain
+    match place_of(cursor):
+        case [str() as dataset, str() as name]:
+            return dataset, name
+    raise StoreError(f"cursor: {cursor!r} is not of a list of objects, expected the cursor of its last page")
 
 
 def things_by_name(store: Store, viewer: Viewer, names: Collection[tuple[str, str]]) -> Mapping[tuple[str, str], Thing]:

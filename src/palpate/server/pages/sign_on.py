@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from base64 import urlsafe_b64decode, urlsafe_b64encode
 from hmac import compare_digest
 from urllib.parse import quote
 
@@ -23,6 +22,7 @@ from palpate.server.security.single_sign_on import Attempt, Provider
 from palpate.server.security.tokens import issue
 from palpate.server.state import state_of
 from palpate.store.store import Store
+from palpate.store.unpadded import from_unpadded, to_unpadded
 
 __all__ = ["router"]
 
@@ -101,13 +101,13 @@ def _attempt(request: Request) -> tuple[Attempt | None, str]:
 
 def _hidden(path: str) -> str:
     """A path as a cookie can hold it, without a full stop."""
-    return urlsafe_b64encode(path.encode()).decode().rstrip("=")
+    return to_unpadded(path.encode())
 
 
 def _shown(hidden: str) -> str:
     """The path that `_hidden` was given; none where somebody else has written it."""
     try:
-        return urlsafe_b64decode(hidden + "=" * (-len(hidden) % 4)).decode()
+        return from_unpadded(hidden).decode()
     except ValueError:
         return ""
 
