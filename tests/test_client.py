@@ -8,6 +8,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
+from uuid import uuid4
 
 import pytest
 
@@ -314,3 +315,30 @@ def test_the_token_comes_from_the_environment(server: StubServer, monkeypatch: p
     """PALPATE_TOKEN is the token unless one is given."""
     monkeypatch.setenv("PALPATE_TOKEN", "right")
     assert HttpReceiver(server.url).put(squeeze()).new
+
+
+def test_a_filter_that_there_is_not_is_a_sentence() -> None:
+    """Which one, what was probably meant and what there is, before anything is asked; so is what no filter can be."""
+    client = Client("http://127.0.0.1:9", "right")
+    with pytest.raises(RefusedError) as told:
+        client.recordings(grippr="two_finger")
+    said = str(told.value)
+    assert said.startswith("filter 'grippr': recordings have none of that name (did you mean 'gripper'?); choose from ")
+    assert "'known', 'label'" in said
+    odd: Any
+    for odd in (1, ["material:wood", 2], {"material": "wood"}):
+        with pytest.raises(RefusedError, match=r"filter 'known': found .* expected text, a list of texts"):
+            client.objects(known=odd)
+
+
+def test_a_recording_is_checked_once_before_it_is_sent(server: StubServer, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Alone, among many, and among many by itself as it is large."""
+    checked = list[Any]()
+    monkeypatch.setattr("palpate.client.receiver.check", lambda recording, **_: checked.append(recording.id))
+    monkeypatch.setattr("palpate.client.batches.LARGE_BYTES", 100)
+    client = Client(server.url, "right")
+    one, large = squeeze(), replace(squeeze(), log="x" * 200, id=uuid4())
+    client.put(one)
+    assert checked == [one.id]
+    list(client.put_many([one, large]))
+    assert checked == [one.id, one.id, large.id]

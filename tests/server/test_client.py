@@ -3,7 +3,7 @@
 import http.client
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from datetime import timedelta
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -13,6 +13,7 @@ import pytest
 
 from palpate.client import Client, NotAllowedError, NotThereError, RefusedError, UnreachableError
 from palpate.client.connection import Connection
+from palpate.client.filters import FILTERS
 from palpate.server.app import application
 from palpate.server.settings import Settings
 from palpate.store.entries import Value
@@ -96,7 +97,7 @@ def test_what_is_wrong_is_told(ann: Client, url: str, store: Store) -> None:
     hidden = squeeze(owner="bob")
     store.put(hidden)
     with pytest.raises(RefusedError, match="colour"):
-        next(ann.recordings(colour="red"))
+        ann.recordings(colour="red")
     with pytest.raises(NotThereError):
         ann.get(hidden.id)
     with pytest.raises(NotThereError):
@@ -105,6 +106,36 @@ def test_what_is_wrong_is_told(ann: Client, url: str, store: Store) -> None:
         Client(url, "palpate_wrong").get(hidden.id)
     with pytest.raises(NotAllowedError):
         next(Client(url, "").put_many(many(1)))
+
+
+@pytest.mark.parametrize("store", ["sqlite"], indirect=True)
+def test_the_client_knows_the_filters_of_the_service(store: Store) -> None:
+    """All of each list, and no others; pages are turned by the client itself."""
+    document = application(store, Settings()).openapi()
+    for path, names in FILTERS.items():
+        told = {one["name"] for one in document["paths"][f"/api/v1{path}"]["get"]["parameters"]}
+        assert set(names) == told - {"limit", "cursor"}, path
+
+
+@pytest.mark.parametrize("visibility", ["private", "lab", "public"])
+@pytest.mark.parametrize("embargo", [None, timedelta(days=3)])
+def test_what_somebody_else_has_sent_has_the_receipt_of_a_single_one(
+    ann: Client, url: str, token: Token, visibility: str, embargo: timedelta | None
+) -> None:
+    """Sent among others or alone, by one who did not see it and by one who did: id and whether it is new agree."""
+    until = None if embargo is None else datetime.now(UTC) + embargo
+    others = [Client(url, secret(token(name))) for name in ("bob", "cat")]
+    odd = (Value("mass", -5.0, None, "g"),)
+    there = [squeeze(n, visibility=visibility, embargoed_until=until, entries=odd) for n in range(2)]
+    kept = [ann.put(one) for one in there]
+    new = squeeze(9, visibility=visibility)
+    among = [became for _, became in others[0].put_many([there[0], new, there[1]])]
+    alone = [others[1].put(there[0]), others[1].put(there[1])]
+    assert [among[0], among[2]] == alone
+    assert [one.id for one in alone] == [one.id for one in kept]
+    again = [became for _, became in others[0].put_many(there)]
+    assert again == [others[1].put(one) for one in there]
+    assert all(isinstance(one, Receipt) and one.notices for one in again)
 
 
 def test_many_are_kept_or_refused_each_by_itself(ann: Client, store: Store) -> None:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from palpate.client.connection import Connection
 from palpate.client.errors import RefusedError
 from palpate.client.receiver import check_sendable, receipt_of
+from palpate.store.implausible import implausible
 from palpate.store.importing.lines import line_of
 from palpate.store.records import FileItem, Receipt, Recording
 
@@ -51,11 +53,15 @@ def known(connection: Connection, recordings: Sequence[Recording]) -> dict[str, 
     """Receipts of those that the server has, by digest."""
     if not recordings:
         return {}
-    asked = [recording.digest for recording in recordings]
+    asked = {recording.digest: recording for recording in recordings}
     headers = {"Content-Type": "application/json"}
-    answer = connection.ask_plain("POST", "/recordings/known", json.dumps({"digests": asked}).encode(), headers)
+    answer = connection.ask_plain("POST", "/recordings/known", json.dumps({"digests": list(asked)}).encode(), headers)
     return {
-        str(digest): receipt_of(connection, {"id": item, "digest": digest, "new": False}, digest)
+        digest: replace(
+            receipt_of(connection, {"id": item, "digest": digest, "new": False}, digest),
+            # as the server would tell it of one that is sent
+            notices=implausible(asked[digest]),
+        )
         for digest, item in _dictionary(connection, answer, "known").items()
         if digest in asked
     }

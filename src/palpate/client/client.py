@@ -5,7 +5,6 @@ from __future__ import annotations
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from datetime import datetime
 from itertools import islice
 from pathlib import Path
 from tempfile import SpooledTemporaryFile, TemporaryDirectory
@@ -16,6 +15,7 @@ from uuid import UUID
 from palpate.client.batches import chunks, is_large, known, send
 from palpate.client.episodes import begin, put_line
 from palpate.client.errors import RefusedError
+from palpate.client.filters import Asked, parameters
 from palpate.client.receiver import IN_MEMORY, HttpReceiver
 from palpate.store.episodes import StoredEpisode, StoredStep
 from palpate.store.errors import StoreError
@@ -24,7 +24,6 @@ from palpate.store.records import FileItem, Receipt, Recording
 
 __all__ = ["Client"]
 
-Asked = str | bool | datetime | Sequence[str] | None
 Row = Mapping[str, Any]
 ROWS = 200
 """Of a page."""
@@ -34,7 +33,7 @@ class Client(HttpReceiver):
     """A store behind a server: lists, whole recordings, and uploads.
 
     What lists give are dictionaries, as the service's OpenAPI document tells them. Filters are those of the service,
-    by their names there; one that it does not know is a `RefusedError`.
+    by their names there; one that there is not is a `RefusedError`, before anything is asked.
 
     Parameters
     ----------
@@ -177,19 +176,18 @@ class Client(HttpReceiver):
 
     def _put_or_refused(self, recording: Recording) -> Receipt | RefusedError:
         try:
-            return self.put(recording)
+            return self._put_checked(recording)
         except RefusedError as error:
             return error
 
     def _rows(self, path: str, limit: int | None, filters: Mapping[str, Asked]) -> Iterator[Row]:
         rows = ROWS if limit is None else max(1, min(limit, ROWS))
-        return islice(self._all(path, {"limit": str(rows), **filters}), limit)
+        return islice(self._all(path, [("limit", str(rows)), *parameters(path, filters)]), limit)
 
-    def _all(self, path: str, asked: Mapping[str, Asked]) -> Iterator[Row]:
-        query = [(name, text) for name, value in asked.items() for text in _texts(value)]
+    def _all(self, path: str, query: Sequence[tuple[str, str]]) -> Iterator[Row]:
         cursor: str | None = None
         while True:
-            of_page = [("cursor", text) for text in _texts(cursor)]
+            of_page = [] if cursor is None else [("cursor", cursor)]
             page = self._connection.ask_plain("GET", f"{path}?{urlencode([*query, *of_page])}")
             if not (isinstance(page, dict) and isinstance(page.get("items"), list) and "next" in page):
                 raise self._connection.strange("no page of a list")
@@ -199,17 +197,6 @@ class Client(HttpReceiver):
             if page["next"] == cursor or not isinstance(page["next"], str):
                 raise self._connection.strange("a page that does not lead on")
             cursor = page["next"]
-
-
-def _texts(value: Asked) -> list[str]:
-    """A filter as parameters of an address."""
-    if value is None:
-        return []
-    if isinstance(value, bool):
-        return [str(value).lower()]
-    if isinstance(value, datetime):
-        return [value.isoformat()]
-    return [value] if isinstance(value, str) else list(value)
 
 
 def _in_memory(item: FileItem) -> FileItem:

@@ -82,6 +82,9 @@ class HttpReceiver:
             nothing is sent then.
         """
         check_sendable(recording)
+        return self._put_checked(recording)
+
+    def _put_checked(self, recording: Recording) -> Receipt:
         digest = recording.digest
         with SpooledTemporaryFile(max_size=IN_MEMORY) as package:
             pack(recording, package)

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 from palpate.client import BackOff, Receiver, ReceiverError, RefusedError, UnreachableError, asked_s, once
 from palpate.recording.spool import Spool
-from palpate.store.checks import check
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.records import Receipt, Recording
 
@@ -78,7 +77,6 @@ def attempt(spool: Spool, name: str, receiver: Receiver) -> Sent | None:
 def _send(spool: Spool, name: str, trying: _Trying) -> Sent:
     try:
         recording = spool.read(name)
-        check(recording)
     except StoreError as error:
         spool.refuse(name, str(error))
         return Sent(name, "refused", str(error))

@@ -244,6 +244,8 @@ class Recording:
     >>> one = Recording(datetime(2024, 5, 1, tzinfo=UTC), "weighing", mug, entries=(Value("mass", 118.0, 6.0, "g"),))
     >>> one.digest[:8]
     'c49f69a2'
+    >>> one
+    <Recording: 'weighing' of 'ycb/025_mug', 2024-05-01 00:00:00+00:00, 0 series>
     """
 
     recorded_at: datetime
@@ -266,6 +268,11 @@ class Recording:
     notices: tuple[str, ...] = ()
     embargoed_until: datetime | None = None
     id: UUID = field(default_factory=uuid4)
+
+    def __repr__(self) -> str:
+        # samples, files and a log are no line on a screen
+        thing, when = f"{self.thing.dataset}/{self.thing.id}", self.recorded_at.isoformat(" ", "seconds")
+        return f"<Recording: {self.action!r} of {thing!r}, {when}, {len(self.series)} series>"
 
     @cached_property
     def document(self) -> str:
