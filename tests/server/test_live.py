@@ -198,11 +198,11 @@ def test_what_actions_returned_reads_well(client: TestClient, store: Store) -> N
     page = client.get(f"/episodes/{episode.id}").text
     for action, words in (
         ("Weighing", "310 ± 2.5 g"),
-        ("Squeezing", "above 95 kPa"),
-        ("Mat-sound", "nothing: the microphone was off"),
-        ("Cat-vision", "label mug"),
+        ("Squeezing", "above 95.0 kPa"),
+        ("Mat-sound", "failed: the microphone was off"),
+        ("Cat-vision", "mug"),
     ):
-        assert f"{action}</a> returned {words}" in page
+        assert f"{action}</a>: {words}" in page
 
 
 def test_pictures_come_with_their_step(client: TestClient, store: Store) -> None:

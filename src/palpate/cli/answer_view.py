@@ -9,8 +9,8 @@ from rich.text import Text
 from palpate.cli.answer import Inferred
 from palpate.cli.belief_view import belief_table, plain_table, scales
 from palpate.evidence import spell_out
-from palpate.figures.wording import number, outcome_words
 from palpate.inference.belief import Belief
+from palpate.wording import number, outcome_words
 
 __all__ = ["answer_tables", "gain_matrix"]
 

@@ -9,10 +9,10 @@ from rich.bar import Bar
 from rich.table import Table
 from rich.text import Text
 
-from palpate.figures.wording import number, plural
 from palpate.inference.belief import Belief
 from palpate.inference.marginals import CategoricalMarginal, ContinuousMarginal
 from palpate.inference.message_passing.marginals import UnsaidMarginal
+from palpate.wording import number, plural
 
 __all__ = ["Scale", "belief_table", "bits_bar", "plain_table", "scales"]
 

@@ -22,9 +22,9 @@ from palpate.experiments.comparison.tables import RESULTS, read_results, save_re
 from palpate.experiments.running import Task, settings_of
 from palpate.figures.calibration import draw_calibration
 from palpate.figures.comparison import draw_comparison
-from palpate.figures.wording import plural
 from palpate.network.digest import digest
 from palpate.network.reading import load_network
+from palpate.wording import plural
 
 __all__ = ["check_together", "run", "tell"]
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 
 from palpate.cli.terminal import folding_table
-from palpate.figures.wording import number
+from palpate.wording import number
 
 if TYPE_CHECKING:
     from palpate.store.calibrations import KnownDevice

@@ -52,10 +52,10 @@ def convert(
 ) -> None:
     """Make the upload dictionaries of one object a session, which palpate explore --robot replay replays."""
     from palpate.cli.files import check_writable
-    from palpate.figures.wording import outcome_words, plural
     from palpate.network.reading import load_network
     from palpate.robots.session import write_session
     from palpate.robots.upload_dictionary import convert as read
+    from palpate.wording import outcome_words, plural
 
     check_writable("--output", output)
     session = read(files, load_network(network), source=source, labels=labels)

@@ -14,8 +14,8 @@ from palpate.cli.files import replacing
 from palpate.cli.short_ids import shortened
 from palpate.cli.terminal import folding_table
 from palpate.episode.format import episode_of
-from palpate.figures.wording import number, outcome_words
 from palpate.logfile import Line, write_line
+from palpate.wording import number, outcome_words
 
 if TYPE_CHECKING:
     from palpate.store.episodes import StoredEpisode

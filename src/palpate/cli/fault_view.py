@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from palpate.figures.wording import plural
 from palpate.store.faults import Fault, Remedy
+from palpate.wording import plural
 
 if TYPE_CHECKING:
     from collections.abc import Callable

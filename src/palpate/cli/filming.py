@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from palpate.explore import Step
 from palpate.figures.belief_panel import Panel, draw_panel
 from palpate.figures.film import RATE_HZ, Film
-from palpate.figures.wording import number, outcome_words
 from palpate.outcomes import Outcome
 from palpate.robots.mujoco.camera import Camera
 from palpate.robots.mujoco.furniture import OVERVIEW
@@ -20,6 +19,7 @@ from palpate.robots.mujoco.motion import TICK_S
 from palpate.robots.signals import ImageSignals, Signals
 from palpate.selection.policies import Choice
 from palpate.summary import summarise
+from palpate.wording import number, outcome_words
 
 if TYPE_CHECKING:
     from palpate.robots.mujoco.scene import Scene

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from palpate.cli.belief_view import plain_table
 from palpate.cli.network_view import sensor_words
-from palpate.figures.wording import number, plural
+from palpate.wording import number, plural
 
 if TYPE_CHECKING:
     from palpate.fitting.data import Data

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from palpate.cli.progress_view import timed
 from palpate.cli.terminal import error_console
-from palpate.figures.wording import plural
 from palpate.store.importing.items import Fate
+from palpate.wording import plural
 
 if TYPE_CHECKING:
     from palpate.store.importing.items import Outcome

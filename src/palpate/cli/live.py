@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 from uuid import UUID
 
-from palpate.figures.wording import plural
+from palpate.wording import plural
 
 if TYPE_CHECKING:
     from palpate.cli.asked import Asked

@@ -21,8 +21,8 @@ def check(
     file: Annotated[str, typer.Argument(metavar="FILE", help="TOML file, or the name of a shipped network.")],
 ) -> None:
     """Validate a network and say what is in it."""
-    from palpate.figures.wording import plural
     from palpate.network.reading import load_network
+    from palpate.wording import plural
 
     found = load_network(file)
     categorical = f"{len(found.categorical)} categorical with {plural(found.joint_states, 'joint state')}"

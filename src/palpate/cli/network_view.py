@@ -7,10 +7,10 @@ from rich.table import Table
 from rich.text import Text
 
 from palpate.cli.belief_view import plain_table
-from palpate.figures.wording import number, plural
 from palpate.network.model import Network
 from palpate.network.properties import CategoricalProperty, ContinuousProperty, Property
 from palpate.network.sensors import ConfusionSensor, Sensor
+from palpate.wording import number, plural
 
 __all__ = ["network_tables", "object_table", "sensor_words"]
 

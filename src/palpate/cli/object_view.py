@@ -11,9 +11,9 @@ from rich.table import Table
 from rich.text import Text
 
 from palpate.cli.store_view import entry_words
-from palpate.figures.wording import number, plural
 from palpate.store.content import entry_plain, setup_plain, thing_plain
 from palpate.store.decoding import CLASSES, entry_from
+from palpate.wording import number, plural
 
 if TYPE_CHECKING:
     from palpate.store.audit import Change

@@ -14,8 +14,8 @@ from rich.text import Text
 
 from palpate.cli.store_view import entry_words
 from palpate.cli.terminal import ENDLESS, bullets, folding_table
-from palpate.figures.wording import number, plural
 from palpate.store.content import in_utc, setup_plain, thing_plain
+from palpate.wording import number, plural
 
 if TYPE_CHECKING:
     from palpate.store.records import Channel, Device, Pose, Recording, Setup, ThingRef

@@ -19,8 +19,8 @@ from palpate.experiments.reproduction.report import report
 from palpate.experiments.reproduction.tables import BELIEFS, STEPS, read_table, save_tables
 from palpate.experiments.running import settings_of
 from palpate.figures.reproduction import draw_reproduction
-from palpate.figures.wording import plural
 from palpate.network.reading import load_network
+from palpate.wording import plural
 
 __all__ = ["planned", "run", "tell"]
 

@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from palpate.errors import PalpateError, extra
 from palpate.explore import Step
-from palpate.figures.wording import outcome_words
 from palpate.inference.belief import Belief
 from palpate.network.model import Network
 from palpate.network.properties import CategoricalProperty
 from palpate.outcomes import Outcome
 from palpate.selection.policies import Choice
 from palpate.summary import CategoricalSummary, ContinuousSummary, summarise
+from palpate.wording import outcome_words
 
 if TYPE_CHECKING:
     from rerun.blueprint import Blueprint

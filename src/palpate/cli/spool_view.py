@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable
 
 from palpate.cli.terminal import console
 from palpate.client import ReceiverError
-from palpate.figures.wording import plural
 from palpate.recording.outbox import Outbox
 from palpate.recording.spool import Spool
 from palpate.recording.uploading import Sent
@@ -14,6 +13,7 @@ from palpate.store.entries import FailedEntry
 from palpate.store.episodes import StoredEpisode
 from palpate.store.errors import StoreError
 from palpate.store.records import Recording
+from palpate.wording import plural
 
 __all__ = ["print_recovered", "print_sent", "print_sent_episodes", "print_spool"]
 

@@ -15,11 +15,11 @@ from rich.text import Text
 from palpate.cli.belief_view import Scale, belief_table, bits_bar, plain_table
 from palpate.cli.surprise import SURPRISING, impossible
 from palpate.explore import Step
-from palpate.figures.wording import number, outcome_words, plural
 from palpate.inference.belief import Belief
 from palpate.network.model import Network
 from palpate.outcomes import Outcome
 from palpate.selection.policies import Choice
+from palpate.wording import number, outcome_words, plural
 
 __all__ = ["View"]
 

@@ -145,9 +145,9 @@ def curves(
     """Write all curves recorded with a gripper to a file."""
     from palpate.cli.files import check_writable, replacing
     from palpate.cli.storing import check_known
-    from palpate.figures.wording import plural
     from palpate.store.curve_files import check_curve_file, write_curves
     from palpate.store.filters import Filter
+    from palpate.wording import plural
 
     check_curve_file("--output", output)
     check_writable("--output", output)

@@ -183,9 +183,9 @@ def forget(
     """Take away what is known of a property."""
     from palpate.cli.knowing import who_of
     from palpate.errors import PalpateError
-    from palpate.figures.wording import plural
     from palpate.store.describing import change_thing
     from palpate.store.things import find_thing
+    from palpate.wording import plural
 
     with place.opened() as store:
         thing = find_thing(store, name)

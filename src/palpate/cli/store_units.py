@@ -40,8 +40,8 @@ def unit(
 ) -> None:
     """Let another unit decide the dimension of a property; no recording is changed."""
     from palpate.cli.knowing import who_of
-    from palpate.figures.wording import plural
     from palpate.store.units import change_unit
+    from palpate.wording import plural
 
     with place.opened() as store:
         changed = change_unit(store, property_, unit, wrong=wrong, who=who_of(who))

@@ -12,11 +12,11 @@ from rich.text import Text
 
 from palpate.cli.short_ids import shortened
 from palpate.cli.terminal import bullets, folding_table
-from palpate.figures.wording import number, plural
 from palpate.store.content import entry_plain
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
 from palpate.store.listing import Damaged, Listed, Page, list_recordings
 from palpate.store.overview import Contents, contents
+from palpate.wording import number, plural
 
 if TYPE_CHECKING:
     from palpate.store.store import Store

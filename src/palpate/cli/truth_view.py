@@ -6,11 +6,11 @@ from rich.table import Table
 from rich.text import Text
 
 from palpate.cli.belief_view import plain_table
-from palpate.figures.wording import number
 from palpate.inference.belief import Belief
 from palpate.inference.marginals import ContinuousMarginal
 from palpate.inference.message_passing.marginals import UnsaidMarginal
 from palpate.network.model import KnownObject, TrueValue
+from palpate.wording import number
 
 __all__ = ["truth_table"]
 

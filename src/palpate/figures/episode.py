@@ -7,8 +7,8 @@ from textwrap import shorten
 from typing import TYPE_CHECKING
 
 from palpate.episode import Episode, LoggedStep
-from palpate.figures.wording import outcome_words
 from palpate.summary import CategoricalSummary, ContinuousSummary, Summary
+from palpate.wording import outcome_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from datetime import UTC, datetime, timedelta
 from typing import Annotated
 
@@ -12,8 +11,6 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from palpate.episode.format import Episode, LoggedStep
 from palpate.errors import LogError
-from palpate.evidence import format_item
-from palpate.outcomes import Above, Below, Failed, Reading
 from palpate.robots.simulated_truth import LOOKS_LIKE
 from palpate.server.api.downloads import SHOWN
 from palpate.server.api.episodes import SeenEpisode
@@ -23,7 +20,6 @@ from palpate.server.explorations import last_at, read_episode
 from palpate.server.pages.sharing import form_values
 from palpate.server.pages.templates import page
 from palpate.server.plots.beliefs import belief_rows
-from palpate.server.plots.drawing import number
 from palpate.server.problems import problem
 from palpate.server.security.who import Who
 from palpate.server.verdicts import verdicts
@@ -31,11 +27,11 @@ from palpate.store import schema
 from palpate.store.episodes import StoredEpisode
 from palpate.store.parts import Head, head_of
 from palpate.store.visible_things import visible_thing
+from palpate.wording import outcome_words
 
 __all__ = ["router"]
 
 router = APIRouter(prefix="/episodes")
-MOST_LABELS = 3
 UNLIKELY = 0.05
 """An outcome whose surprise number is less is pointed out."""
 QUIET, GONE = timedelta(minutes=5), timedelta(hours=2)
@@ -78,14 +74,14 @@ def one(
         place=place,
         step=step,
         gains=_gains(step),
-        outcome=None if step is None else _told(step),
+        outcome=None if step is None else outcome_words(step.admitted),
         rows=[] if step is None else belief_rows(step.before, step.after),
         truths={} if step is None or thing is None else verdicts(thing.known, step.after),
         looks_like=None if thing is None else thing.ref.attributes.get(LOOKS_LIKE),
         oddest=_oddest(episode),
         recording=None if recording is None else str(recording.id),
         pictures=[] if recording is None else _pictures(recording),
-        lines=[(one.index, one.action, _told(one), one) for one in episode.steps],
+        lines=[(one.index, one.action, outcome_words(one.admitted), one) for one in episode.steps],
         last=last_at(stored),
         state=_state(stored),
         newest=asked.step is None,
@@ -112,31 +108,6 @@ def _read(stored: StoredEpisode) -> Episode:
         return read_episode(stored)
     except LogError as error:
         raise problem(422, str(error)) from None
-
-
-def _told(step: LoggedStep) -> str:
-    """What an action returned, as people read it."""
-    match step.admitted:
-        case Reading(value, sd, unit):
-            spread = "" if sd is None else f" ± {number(sd)}"
-            return f"{number(value)}{spread} {unit or ''}".rstrip()
-        case Above(bound, unit=unit):
-            return f"above {number(bound)} {unit or ''}".rstrip()
-        case Below(bound, unit=unit):
-            return f"below {number(bound)} {unit or ''}".rstrip()
-        case Failed(reason):
-            return f"nothing: {reason}" if reason else "nothing"
-    found = {name: value for name, value in format_item(step.action, step.admitted).items() if name != "action"}
-    return ", ".join(f"{name} {_words(value)}" for name, value in found.items())
-
-
-def _words(value: object) -> str:
-    """A part of what an action returned; of many labels the likeliest ones."""
-    if isinstance(value, Mapping):
-        ranked = sorted(value.items(), key=lambda item: -item[1])
-        told = ", ".join(f"{label} {share:.2g}" for label, share in ranked[:MOST_LABELS])
-        return told if len(ranked) <= MOST_LABELS else f"{told}, and {len(ranked) - MOST_LABELS} more"
-    return number(value) if isinstance(value, float) else str(value)
 
 
 def _gains(step: LoggedStep | None) -> list[tuple[str, float, float]]:

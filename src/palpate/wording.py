@@ -1,4 +1,4 @@
-"""Numbers and outcomes in few words, for pictures and for the terminal."""
+"""Numbers and outcomes in few words, for pictures, pages and the terminal."""
 
 from __future__ import annotations
 

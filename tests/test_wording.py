@@ -2,8 +2,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from palpate.figures.wording import number, outcome_words
 from palpate.outcomes import Above, Below, Failed, Label, Likelihood, Outcome, Posterior, Reading
+from palpate.wording import number, outcome_words
 
 
 @given(st.floats(-1e300, 1e300), st.integers(1, 6))
