@@ -114,3 +114,67 @@ def test_what_is_too_large_to_be_read_is_refused(
         assert refused.status_code == 422
         assert "bytes, expected 999 at most" in refused.json()["detail"]
     assert client.get(f"{API}/{recording.id}/package").status_code == 200
+
+
+BEYOND = (1 << 53) + 1
+"""The first whole number that no double is."""
+
+
+def kept(values: object, dtype: type) -> Channel:
+    return Channel("stamp", "time", "ns", np.array(values, dtype=dtype), rate_hz=10.0)
+
+
+@pytest.mark.parametrize(
+    ("values", "dtype", "column"),
+    [
+        ([BEYOND, -BEYOND, np.iinfo(np.int64).min, np.iinfo(np.int64).max], np.int64, pa.int64()),
+        ([BEYOND, np.iinfo(np.uint64).max], np.uint64, pa.uint64()),
+        ([3, 4], np.int8, pa.int64()),
+        ([0.5, np.nan], np.float32, pa.float64()),
+        ([True, False], np.bool_, pa.int64()),
+    ],
+)
+def test_whole_numbers_come_back_exact(
+    client: TestClient, store: Store, values: list[object], dtype: type, column: pa.DataType
+) -> None:
+    """As Arrow in a column of whole numbers, and as JSON and CSV with all their digits."""
+    recording = squeeze(visibility="public", series=(Series("clock", (kept(values, dtype),)),))
+    store.put(recording)
+    there = f"{API}/{recording.id}/series/0"
+    table = pa.ipc.open_stream(client.get(there, params={"format": "arrow"}).content).read_all()
+    assert table.schema.field("value").type == column
+    np.testing.assert_array_equal(np.array(table["value"].to_pylist(), dtype=dtype), np.array(values, dtype=dtype))
+    if dtype in (np.int64, np.uint64):
+        assert client.get(there).json()["channels"][0]["values"] == values
+        told = [line.rpartition(",")[2] for line in client.get(there, params={"format": "csv"}).text.split()[1:]]
+        assert told == list(map(str, values))
+
+
+@pytest.mark.parametrize(
+    ("values", "dtype", "column"),
+    [
+        ([BEYOND, -BEYOND], np.int64, pa.int64()),
+        ([BEYOND, np.iinfo(np.uint64).max], np.uint64, pa.uint64()),
+        ([3, 1 << 53], np.int64, None),
+    ],
+)
+def test_whole_numbers_beside_others_are_exact_too(values: list[int], dtype: type, column: pa.DataType | None) -> None:
+    """Where a series has both, and a double cannot hold a whole number, it stands in a column of its own beside it."""
+    force = Channel("force", "force", "N", np.array([0.5, 1.5]), rate_hz=10.0)
+    pieces = arrow_pieces(Series("arm", (force, kept(values, dtype))))
+    table = pa.ipc.open_stream(b"".join(pieces)).read_all()
+    assert table["value"].to_pylist() == [0.5, 1.5, *map(float, values)]
+    assert ("whole" in table.schema.names) == (column is not None)
+    if column is not None:
+        assert table.schema.field("whole").type == column
+        assert table["whole"].to_pylist() == [None, None, *values]
+
+
+def test_whole_numbers_of_both_signs_are_exact() -> None:
+    """Those below zero and those beyond 63 bits in one series."""
+    channels = (
+        kept([-1, -BEYOND], np.int64),
+        Channel("id", "id", None, np.array([2**64 - 1] * 2, np.uint64), rate_hz=10.0),
+    )
+    table = pa.ipc.open_stream(b"".join(arrow_pieces(Series("clock", channels)))).read_all()
+    assert list(map(int, table["value"].to_pylist())) == [-1, -BEYOND, 2**64 - 1, 2**64 - 1]

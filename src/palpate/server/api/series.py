@@ -53,7 +53,8 @@ def get_series(store: StoreOf, head: SeenRecording, position: Place, asked: Anno
     """A series with its samples.
 
     As CSV and Arrow it has a row for each sample: channel, index, time [s] where it is known, and value; a sample
-    of several numbers has a row for each of them.
+    of several numbers has a row for each of them. Whole numbers are exact; in Arrow those that a double would round are
+    in a column ``whole`` where other channels of the series hold others.
     """
     info = head.series[position] if position < len(head.series) else None
     if asked.form != "arrow" and info is not None and info.numbers > LARGEST_VALUES:
