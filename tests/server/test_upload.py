@@ -139,14 +139,14 @@ def test_all_kinds_are_understood_and_kept(ann: TestClient, store: Store, tmp_pa
     assert "UTC is assumed" in text
     assert {"notes.txt", "broken.json", "run.mcap"} == fates(text).keys()
     assert list_recordings(store).rows == ()
-    found = ann.post(f"{address}/keep", data={"visibility": "", "owner": "ann"})
+    found = ann.post(f"{address}/keep", data={"visibility": ""})
     assert found.status_code == 200
     assert "4 recordings are in the store" in found.text
     links = re.findall(r'href="(/recordings/[0-9a-f-]{36})"', found.text)
     assert len(links) == 4
     assert {ann.get(link).status_code for link in links} == {200}
     rows_ = list_recordings(store).rows
-    assert {row.owner for row in rows_} == {"ann"}
+    assert {row.owner for row in rows_} == {"ann", None}
     assert sorted(row.visibility for row in rows_) == ["private", "private", "private", "public"]
     entries = {row.action: row.entries for row in rows_ if row.thing in ("011_banana", "sponge")}
     assert entries["cat-vision"] == (Distribution("category", {"banana": 0.75, "mug": 0.25}),)
@@ -165,11 +165,11 @@ def test_what_was_kept_is_a_page_that_can_be_loaded_again(store: Store, tmp_path
     files = {
         "good.zip": package(squeeze(2, owner="ann")),
         "cut.zip": package(squeeze(5, owner="ann"))[:-40],
-        "of_nobody.zip": package(squeeze(6)),
+        "of_kim.zip": package(squeeze(6, owner="kim")),
         "notes.txt": b"nothing",
     }
     address = one.post("/upload", files=[("files", item) for item in files.items()]).headers["location"]
-    sent = one.post(f"{address}/keep", data={"visibility": "", "owner": "kim"})
+    sent = one.post(f"{address}/keep", data={"visibility": ""})
     assert (sent.status_code, sent.headers["location"]) == (303, f"{address}/kept")
     for client in (one, other, one):
         found = client.get(f"{address}/kept")
@@ -177,9 +177,9 @@ def test_what_was_kept_is_a_page_that_can_be_loaded_again(store: Store, tmp_path
         assert "1 recording is in the store" in found.text
         assert "2 could not be kept" in found.text
         reasons = fates(found.text)
-        assert reasons.keys() == {"cut.zip", "of_nobody.zip", "notes.txt"}
+        assert reasons.keys() == {"cut.zip", "of_kim.zip", "notes.txt"}
         assert "no zip file" in reasons["cut.zip"]
-        assert "kim" in reasons["of_nobody.zip"]
+        assert "kim" in reasons["of_kim.zip"]
     for method, where in (("POST", "/keep"), ("GET", "")):
         again = other.request(method, f"{address}{where}", data={} if method == "POST" else None)
         assert (again.status_code, again.headers["location"]) == (303, f"{address}/kept")
@@ -270,11 +270,11 @@ def test_a_wish_that_is_none_is_told_and_nothing_is_lost(ann: TestClient, store:
         "visibility: found &#39;everybody&#39;": {"visibility": "everybody"},
     }
     for told, fields in wrong.items():
-        found = ann.post(f"{address}/keep", data={"visibility": "public", "owner": "ann", **fields})
+        found = ann.post(f"{address}/keep", data={"visibility": "public", **fields})
         assert (found.status_code, told in found.text) == (422, True), told
         assert "What was understood" in found.text
         assert f'value="{fields.get("until", "")}"' in found.text
-        assert "<option selected>ann</option>" in found.text
+        assert ('<option value="public" selected>' in found.text) == ("visibility" not in fields)
     assert list_recordings(store).rows == ()
     assert "1 recording is in the store" in ann.post(f"{address}/keep", data={"visibility": ""}).text
 
@@ -303,23 +303,23 @@ def test_explorations_of_an_archive_are_kept_with_it(ann: TestClient, store: Sto
     """Theirs, after the recordings that they name; of others, and of objects, it is told what is not."""
     sent = archive_with_all(tmp_path)
     address, text = send(ann, {"archive.zip": sent})
-    assert "1 new recording, 1 exploration, <strong>1 refused</strong>, 1 left out" in text
+    assert "1 new recording, 1 new exploration, <strong>1 refused</strong>, 1 left out" in text
     reasons = fates(text)
     (of_kim,) = (reason for source, reason in reasons.items() if "episode" in source)
     assert "owner: found &#39;kim&#39;, expected &#39;ann&#39;" in of_kim
     (of_objects,) = (reason for source, reason in reasons.items() if "objects" in source)
     assert of_objects.startswith("1 known value of lab/jar: nothing of that is taken here; say it on the pages")
-    found = ann.post(f"{address}/keep", data={"visibility": "lab", "until": "2032-01-01", "owner": "ann"}).text
+    found = ann.post(f"{address}/keep", data={"visibility": "lab", "until": "2032-01-01"}).text
     assert "1 recording is in the store, and 1 exploration" in found
     (link,) = re.findall(r'href="(/episodes/[0-9a-f-]{36})"', found)
     assert ann.get(link).status_code == 200
     kept = get_episode(store, UUID(link.removeprefix("/episodes/")))
     (row,) = list_recordings(store).rows
-    # it has another digest, as it has an owner now
-    assert (kept.steps[0].recording, kept.owner, kept.visibility) == (row.digest, "ann", "lab")
+    assert (kept.steps[0].recording, kept.owner, kept.visibility) == (row.digest, None, "lab")
     assert kept.embargoed_until == datetime(2032, 1, 1, tzinfo=UTC)
-    address, _ = send(ann, {"archive.zip": sent})
-    again = ann.post(f"{address}/keep", data={"owner": "ann"}).text
+    address, text = send(ann, {"archive.zip": sent})
+    assert "0 new recordings, 2 known already, <strong>1 refused" in text
+    again = ann.post(f"{address}/keep", data={"visibility": ""}).text
     assert again.count("was there already") == 2
     assert len(list_episodes(store).rows) == len(list_recordings(store).rows) == 1
 
@@ -333,6 +333,8 @@ def test_an_exploration_that_cannot_be_kept_is_told(ann: TestClient, store: Stor
     address, text = send(ann, {"archive.zip": archive_of(tmp_path, mine, odd, owner="ann")})
     (reason,) = (reason for source, reason in fates(text).items() if str(odd.id) in source)
     assert "header: belief" in reason
+    assert "1 new recording, <strong>2 refused" in text
+    assert "its id is that of another exploration" in text
     found = ann.post(f"{address}/keep", data={"visibility": ""}).text
     assert "1 recording is in the store</h1>" in found
     assert f"{mine.id} is that of another exploration" in found
@@ -346,9 +348,10 @@ def test_an_exploration_that_grew_is_continued(ann: TestClient, store: Store, tm
     store.put(recording)
     put_episode(store, replace(mine, steps=(replace(mine.steps[0], recording=recording.digest),)))
     sent = {"archive.zip": archive_of(tmp_path, mine, owner="ann")}
-    for there in (1, 2):
+    for there, counted in ((1, "0 new recordings, 1 new exploration, 1 known"), (2, "0 new recordings, 2 known")):
         address, text = send(ann, sent)
-        assert "known already" in text.partition("<h2>Explorations")[2]
+        assert f"{counted} already" in text
+        assert ("known in part" in text.partition("<h2>Explorations")[2]) == (there == 1)
         found = ann.post(f"{address}/keep", data={"visibility": ""}).text
         assert f'href="/episodes/{mine.id}"' in found
         assert found.count("was there already") == there
@@ -608,11 +611,57 @@ def test_what_is_being_kept_is_removed_by_nobody(tmp_path: Path) -> None:
     assert previews.get(made.id, "ann's session") is None
 
 
-def test_nobody_keeps_in_the_name_of_somebody_else(ann: TestClient, store: Store) -> None:
-    """What states no owner may stay so, or be one's own; it is noted in any case who sent it."""
-    for owner, shown in (("kim", "1 could not be kept"), ("", "1 recording is in the store")):
-        address, _ = send(ann, {"one.zip": package(squeeze(1))})
-        assert shown in ann.post(f"{address}/keep", data={"owner": owner}).text
+@pytest.fixture
+def others(ann: TestClient, store: Store) -> Mapping[str, TestClient]:
+    """The browsers of kim and of an administrator."""
+    found = {}
+    for name, role in (("kim", Role.OWNER), ("root", Role.ADMIN)):
+        add_user(store, name, role)
+        found[name] = TestClient(ann.app, cookies={"palpate-session": issue(store, name)}, headers=ORIGIN)
+    return found
+
+
+def test_what_is_sent_is_kept_as_it_was_sent(ann: TestClient, others: Mapping[str, TestClient], store: Store) -> None:
+    """By two people, by the form and by the API, in any order: one recording; its owner is who was first to send it."""
+    sent, kim = squeeze(0), others["kim"]
+    for client, way in ((ann, "form"), (kim, "api"), (kim, "form"), (ann, "api")):
+        if way == "api":
+            found = client.put(f"/api/v1/recordings/{sent.digest}", content=package(sent))
+            assert found.status_code in (200, 201)
+        else:
+            address, _ = send(client, {"one.zip": package(sent)})
+            kept = client.post(f"{address}/keep", data={"visibility": "", "owner": "somebody"}).text
+            assert "1 recording is in the store" in kept
     (row,) = list_recordings(store).rows
-    assert row.owner is None
-    assert ann.get(f"/recordings/{row.id}").status_code == 200
+    assert (row.digest, row.owner) == (sent.digest, None)
+    form = {"visibility": "lab", "until": ""}
+    assert [one.post(f"/recordings/{row.id}/sharing", data=form).status_code for one in (kim, ann)] == [403, 200]
+
+
+def test_a_preview_counts_what_will_be_kept(
+    ann: TestClient, others: Mapping[str, TestClient], store: Store, tmp_path: Path
+) -> None:
+    """Each recording once: what is hidden from who sends it is new to them, and an id is not taken twice."""
+    there = [squeeze(number, visibility="private" if number else "public") for number in range(3)]
+    store.put_many(there, uploader="ann")
+    taken = squeeze(7, id=there[1].id)
+    with open_store(tmp_path / "other.sqlite", tmp_path / "others", durable=False) as other:
+        other.put_many([squeeze(0), squeeze(5)])
+        export_archive(other, tmp_path / "archive")
+    files = {f"{number}.zip": package(squeeze(number)) for number in (0, 1, 2, 3)}
+    files |= {"again.zip": files["1.zip"], "3 again.zip": files["3.zip"], "taken.zip": package(taken)}
+    files |= {"archive.zip": zipped(folder(tmp_path / "archive"))}
+    counted = {"ann": (2, 3), "kim": (4, 1), "root": (0, 5)}
+    clients = {"ann": ann, **others}
+    for name in ("ann", "kim", "root"):
+        (new, known), client = counted[name], clients[name]
+        address, text = send(client, files)
+        words = "recording" if new == 1 else "recordings"
+        assert f"{new} new {words}, {known} known already, 3 sent twice, <strong>1 refused" in text, name
+        assert "is that of another recording" in fates(text)["taken.zip"]
+        assert text.count('class="waiting"') == new + known
+        assert "more, which are not shown" not in text
+        found = client.post(f"{address}/keep", data={"visibility": "private"}).text
+        assert "5 recordings are in the store" in found
+        assert found.count("was there already") == known
+        assert "is that of another recording" in fates(found)["taken.zip"]

@@ -19,11 +19,13 @@ from palpate.server.state import State
 from palpate.store.checks import check_moment
 from palpate.store.episodes import StoredEpisode, StoredStep, check_episode
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
+from palpate.store.importing.items import Fate
 from palpate.store.keeping_episodes import get_episode, put_episode
 from palpate.store.records import Receipt
+from palpate.store.store import Store
 from palpate.store.visible_episodes import episode_is_of, episode_is_there, episode_is_visible, recordings_of_digests
 
-__all__ = ["MOST_LINES", "add", "begin", "check_whole", "keep_whole", "last_at", "read_episode"]
+__all__ = ["MOST_LINES", "add", "begin", "check_whole", "fate_of_whole", "keep_whole", "last_at", "read_episode"]
 
 MOST_LINES = 1_000
 MOST_BYTES = 32 << 20
@@ -116,7 +118,7 @@ def add(
     A line that is here already is known where it is the same. A line that comes before those in front of it, or is
     another one, is a 409.
     """
-    if not _may_continue(state, who, there.id):
+    if not _may_continue(state.store, who, there.id):
         raise problem(403, f"episode {there.id}: is not yours, expected one that this account has begun")
     lines = len(there.steps)
     if position > lines + 1:
@@ -186,12 +188,11 @@ def keep_whole(state: State, who: Account, episode: StoredEpisode) -> tuple[UUID
         If it is not theirs, the id is that of another one, or a recording of its steps is none that they see.
     """
     check_owner(episode, who)
-    if episode_is_there(state.store, episode.id):
-        is_seen = episode_is_visible(state.store, who.viewer, episode.id)
-        if is_seen and get_episode(state.store, episode.id).digest == episode.digest:
-            return episode.id, False
-        if not _may_continue(state, who, episode.id):
-            raise StoreError(f"id: {episode.id} is that of another exploration, expected an id of its own")
+    fate = fate_of_whole(state.store, who, episode)
+    if fate is Fate.REFUSED:
+        raise StoreError(f"id: {episode.id} is that of another exploration, expected an id of its own")
+    if fate is Fate.KNOWN:
+        return episode.id, False
     digests = [step.recording for step in episode.steps if step.recording is not None]
     seen = recordings_of_digests(state.store, who.viewer, digests)
     missing = next((digest for digest in digests if digest not in seen), None)
@@ -201,8 +202,25 @@ def keep_whole(state: State, who: Account, episode: StoredEpisode) -> tuple[UUID
     return receipt.id, receipt.new
 
 
-def _may_continue(state: State, who: Account, key: UUID) -> bool:
-    return who.role >= Role.ADMIN or episode_is_of(state.store, str(who.name), key)
+def fate_of_whole(store: Store, who: Account, episode: StoredEpisode) -> Fate:
+    """What `keep_whole` makes of an exploration: it is new, also where it has grown, known, or not kept."""
+    if not episode_is_there(store, episode.id):
+        return Fate.NEW
+    is_theirs = _may_continue(store, who, episode.id)
+    if not is_theirs and not episode_is_visible(store, who.viewer, episode.id):
+        return Fate.REFUSED
+    there = get_episode(store, episode.id)
+    if there.digest == episode.digest:
+        return Fate.KNOWN
+    known, sent = ([step.document for step in one.steps] for one in (there, episode))
+    both = min(len(known), len(sent))
+    if not is_theirs or there.document != episode.document or known[:both] != sent[:both]:
+        return Fate.REFUSED
+    return Fate.NEW if len(sent) > len(known) else Fate.KNOWN
+
+
+def _may_continue(store: Store, who: Account, key: UUID) -> bool:
+    return who.role >= Role.ADMIN or episode_is_of(store, str(who.name), key)
 
 
 def _check_all(where: str, episode: StoredEpisode) -> None:

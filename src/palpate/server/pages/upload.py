@@ -22,6 +22,7 @@ from palpate.server.security.sites import check_same_site, form_of
 from palpate.server.security.who import needs
 from palpate.server.state import State, state_of
 from palpate.server.uploading.by_hand import recording_by_hand
+from palpate.server.uploading.fates import TWICE
 from palpate.server.uploading.form_words import words_of
 from palpate.server.uploading.keeping import keep
 from palpate.server.uploading.previews import MOST_OF_ACCOUNT, Preview, holder_of
@@ -152,8 +153,8 @@ def _shown(
 ) -> HTMLResponse:
     """What was understood; with what was wanted, and what is wrong with that, where it could not be kept so."""
     items, episodes = shown_of(store, who, waiting), shown_episodes(store, who, waiting)
-    fates = Counter(item.fate for item in items)
-    new = sum(one.fate == "new" and one.known is None for one in items)
+    fates = Counter(item.coming.fate for item in items)
+    explored = Counter(one.fate.value for one in episodes)
     return page(
         request,
         "preview.html",
@@ -164,12 +165,12 @@ def _shown(
         fault=fault,
         items=items,
         episodes=episodes,
-        new=new,
-        known=sum(one.known is not None for one in items),
-        twice=fates["known"],
-        refused=fates["refused"],
+        new=fates["new"],
+        explored=explored["new"],
+        known=fates["known"] + explored["known"],
+        twice=fates[TWICE],
+        refused=fates["refused"] + explored["refused"],
         skipped=fates["skipped"],
-        names_any_owner=who.role >= Role.ADMIN,
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Collection, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -10,11 +10,11 @@ from uuid import UUID
 
 from palpate.server.explorations import keep_whole
 from palpate.server.problems import problem
+from palpate.server.receiving import check_owner
 from palpate.server.security.accounts import Account
 from palpate.server.state import State
 from palpate.server.uploading.previews import Preview
 from palpate.server.uploading.wishes import Wishes
-from palpate.store.episodes import StoredEpisode
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.importing.intake import import_paths
 from palpate.store.importing.items import Fate, Item, Outcome
@@ -22,6 +22,7 @@ from palpate.store.keeping_episodes import get_episode
 from palpate.store.opening import open_store
 from palpate.store.records import Recording
 from palpate.store.store import Store
+from palpate.store.visible_episodes import recordings_of_digests
 
 __all__ = ["keep"]
 
@@ -34,8 +35,6 @@ class _Waiting:
         self._preview = preview
         self._wishes = wishes
         self._who = who
-        self.digests = dict[str, str]()
-        """Of those that were read: as they were sent, and as they are wanted."""
 
     def owns(self, path: Path) -> bool:
         """The store in which they are."""
@@ -52,9 +51,9 @@ class _Waiting:
             yield Item(source, partial(self._read, digest))
 
     def _read(self, digest: str) -> Recording:
-        wanted = self._wishes.of(self._scratch.get(digest), self._who)
-        self.digests[digest] = wanted.digest
-        return wanted
+        sent = self._scratch.get(digest)
+        check_owner(sent, self._who)
+        return self._wishes.of(sent)
 
 
 def keep(state: State, who: Account, preview: Preview, wishes: Wishes) -> None:
@@ -63,25 +62,25 @@ def keep(state: State, who: Account, preview: Preview, wishes: Wishes) -> None:
         if mine is None:
             raise problem(404, "there is no upload that waits here: it was kept or cancelled just now")
         with open_store(mine.place, mine.blobs, durable=False, make=False) as scratch:
+            digests = [one["digest"] for one in mine.found() if one["digest"] is not None]
+            seen = recordings_of_digests(state.store, who.viewer, digests)
             waiting = _Waiting(scratch, mine, wishes, who)
             outcomes = list(import_paths(state.store, [mine.place], [waiting], uploader=who.name))
             # their recordings are there by now
-            episodes = list(
-                _keep_episodes(state, who, mine, scratch, partial(wishes.of_episode, digests=waiting.digests))
-            )
+            episodes = list(_keep_episodes(state, who, mine, scratch, wishes))
         # what was found wrong when it was read stands on the page before, which is gone now
         before = [one for one in mine.found() if one["fate"] in (Fate.REFUSED.value, Fate.SKIPPED.value)]
-        mine.note_kept([*before, *(_noted(outcome) for outcome in outcomes), *episodes])
+        mine.note_kept([*before, *(_noted(outcome, seen) for outcome in outcomes), *episodes])
 
 
 def _keep_episodes(
-    state: State, who: Account, preview: Preview, scratch: Store, wanted: Callable[[StoredEpisode], StoredEpisode]
+    state: State, who: Account, preview: Preview, scratch: Store, wishes: Wishes
 ) -> Iterator[dict[str, Any]]:
     told = {one["episode"]["id"]: one for one in preview.found() if one["episode"] is not None}
     for key, one in told.items():
         noted = {"source": one["source"], "fate": Fate.REFUSED.value, "reason": None}
         try:
-            id, is_new = keep_whole(state, who, wanted(get_episode(scratch, UUID(key))))
+            id, is_new = keep_whole(state, who, wishes.of(get_episode(scratch, UUID(key))))
         except UnavailableError:
             raise
         except StoreError as error:
@@ -91,11 +90,16 @@ def _keep_episodes(
         yield {**noted, "fate": fate.value, "episode": str(id), "told": f"Exploration of {one['episode']['thing']}"}
 
 
-def _noted(outcome: Outcome) -> dict[str, Any]:
-    """What became of a recording, as it is told on a page that can be loaded again."""
+def _noted(outcome: Outcome, seen: Collection[str]) -> dict[str, Any]:
+    """What became of a recording, as it is told on a page that can be loaded again.
+
+    What others have sent is new to who does not see it; an administrator does, whoever it is of.
+    """
     recording = outcome.recording
+    is_known = outcome.fate is Fate.NEW and recording is not None and recording.digest in seen
+    fate = Fate.KNOWN if is_known else outcome.fate
     told = {} if recording is None else {"digest": recording.digest, "told": _words(recording)}
-    return {"source": outcome.source, "fate": outcome.fate.value, "reason": outcome.reason, **told}
+    return {"source": outcome.source, "fate": fate.value, "reason": outcome.reason, **told}
 
 
 def _words(recording: Recording) -> str:

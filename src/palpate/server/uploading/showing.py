@@ -15,16 +15,16 @@ from palpate.server.plots.curves import channel_plot
 from palpate.server.plots.squeezes import squeeze_plot
 from palpate.server.plots.svg import svg
 from palpate.server.security.accounts import Account
+from palpate.server.uploading.fates import ALL, Coming, coming, fate_of_exploration
 from palpate.server.uploading.previews import Preview
+from palpate.store.importing.items import Fate
 from palpate.store.opening import open_store
 from palpate.store.parts import Head, head_of, series_of
 from palpate.store.store import Store
-from palpate.store.viewing import Viewer
-from palpate.store.visible_episodes import episode_is_visible, recordings_of_digests
+from palpate.store.visible_episodes import episode_is_visible
 
 __all__ = ["Shown", "ShownEpisode", "shown_episodes", "shown_of"]
 
-ALL = Viewer(everything=True)
 MOST_SHOWN = 200
 MOST_DRAWN = 12
 MOST_CURVES = 4
@@ -39,32 +39,40 @@ class Shown:
     ----------
     source
         The file.
-    fate, reason
-        What became of it when it was read.
+    coming
+        What will become of it.
     head
-        The recording; None where it is none, or where too many came before it.
-    known
-        The id under which the store has it already, where the account may see it.
+        The recording; None where none is kept, or where too many came before it.
     curves
         Its signals.
     """
 
     source: str
-    fate: str
-    reason: str | None
+    coming: Coming
     head: Head | None = None
-    known: UUID | None = None
     curves: tuple[Markup, ...] = ()
 
 
 @dataclass(frozen=True)
 class ShownEpisode:
-    """An exploration of an upload; `told` is what `palpate.server.uploading.archives` leaves of it."""
+    """An exploration of an upload.
+
+    Attributes
+    ----------
+    source
+        The file.
+    told
+        What `palpate.server.uploading.archives` leaves of it.
+    fate
+        What will become of it.
+    is_seen
+        Whether the store has it, or a part of it, and the account sees that.
+    """
 
     source: str
-    fate: str
     told: Mapping[str, Any]
-    is_known: bool
+    fate: Fate
+    is_seen: bool
 
     @property
     def started_at(self) -> datetime:
@@ -79,33 +87,35 @@ class ShownEpisode:
 
 
 def shown_episodes(store: Store, who: Account, preview: Preview) -> list[ShownEpisode]:
-    """All explorations of a preview that can be kept."""
-    found = (one for one in preview.found() if one["episode"] is not None)
-    return [
-        ShownEpisode(
-            one["source"],
-            one["fate"],
-            one["episode"],
-            episode_is_visible(store, who.viewer, UUID(one["episode"]["id"])),
-        )
-        for one in found
-    ]
+    """All explorations of a preview, each once."""
+    found = {one["episode"]["id"]: one for one in reversed(preview.found()) if one["episode"] is not None}
+    if not found:
+        return []
+    with open_store(preview.place, preview.blobs, durable=False, make=False) as scratch:
+        return [
+            ShownEpisode(
+                one["source"],
+                one["episode"],
+                fate_of_exploration(store, who, scratch, UUID(key)),
+                episode_is_visible(store, who.viewer, UUID(key)),
+            )
+            for key, one in reversed(found.items())
+        ]
 
 
 def shown_of(store: Store, who: Account, preview: Preview) -> list[Shown]:
     """All recordings of a preview, the first ones with their curves, and what is refused or left out."""
     found = [one for one in preview.found() if one["episode"] is None]
-    digests = [one["digest"] for one in found if one["digest"] is not None]
-    known = recordings_of_digests(store, who.viewer, digests)
-    items, drawn = list[Shown](), 0
+    items, seen, drawn = list[Shown](), 0, 0
     with open_store(preview.place, preview.blobs, durable=False, make=False) as scratch:
-        for one in found:
-            digest, head = one["digest"], None
-            if digest is not None and len(items) < MOST_SHOWN:
-                head = head_of(scratch, ALL, bytes.fromhex(digest))
+        for one, become in zip(found, coming(store, who, scratch, found), strict=True):
+            head = None
+            if become.is_kept and seen < MOST_SHOWN:
+                head = head_of(scratch, ALL, bytes.fromhex(one["digest"]))
             curves = tuple(_curves(scratch, head)) if head is not None and drawn < MOST_DRAWN else ()
+            seen += head is not None
             drawn += bool(curves)
-            items.append(Shown(one["source"], one["fate"], one["reason"], head, known.get(digest), curves))
+            items.append(Shown(one["source"], become, head, curves))
     return items
 
 

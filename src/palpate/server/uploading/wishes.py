@@ -1,4 +1,7 @@
-"""What is wanted for all of an upload: who may see it, from when on, and whose it is."""
+"""What is wanted for all of an upload: who may see it, and from when on.
+
+Nothing else is: what is sent is kept as it was sent, so that it is the same whoever sends it, and by whatever way.
+"""
 
 from __future__ import annotations
 
@@ -6,15 +9,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import TypeVar
-from uuid import NAMESPACE_URL, uuid5
 
 from palpate.errors import choices
-from palpate.server.receiving import check_owner
-from palpate.server.security.accounts import Account
 from palpate.server.sharing import embargo_end
 from palpate.store.episodes import StoredEpisode
 from palpate.store.errors import StoreError
-from palpate.store.importing.items import identified
 from palpate.store.records import VISIBILITIES, Recording
 
 __all__ = ["Wishes"]
@@ -31,8 +30,6 @@ class Wishes:
     ----------
     visibility
         As each states where it is None.
-    owner
-        Of those that state none; it stays so where this is None.
     embargoed_until
         Until when others do not see them; as each states where it is None.
     ends_embargoes
@@ -40,7 +37,6 @@ class Wishes:
     """
 
     visibility: str | None = None
-    owner: str | None = None
     embargoed_until: datetime | None = None
     ends_embargoes: bool = False
 
@@ -55,8 +51,8 @@ class Wishes:
 
         Examples
         --------
-        >>> Wishes.of_form({"visibility": "lab", "owner": " ann "})
-        Wishes(visibility='lab', owner='ann', embargoed_until=None, ends_embargoes=False)
+        >>> Wishes.of_form({"visibility": "lab"})
+        Wishes(visibility='lab', embargoed_until=None, ends_embargoes=False)
         """
         visibility, until = fields.get("visibility") or None, fields.get("until", "").strip()
         if visibility is not None and visibility not in VISIBILITIES:
@@ -64,30 +60,10 @@ class Wishes:
         ends = fields.get("no_embargo") == "yes"
         if ends and until:
             raise StoreError(f"until: found {until[:40]!r} beside the wish for no embargo, expected one of the two")
-        return cls(visibility, fields.get("owner", "").strip() or None, embargo_end(until) if until else None, ends)
+        return cls(visibility, embargo_end(until) if until else None, ends)
 
-    def of(self, recording: Recording, who: Account) -> Recording:
-        """The recording as it is wanted; StoreError where the account may not keep it so."""
-        if self.owner is not None and recording.owner is None:
-            recording = identified(replace(recording, owner=self.owner))
-        recording = self._shared(recording)
-        check_owner(recording, who)
-        return recording
-
-    def of_episode(self, episode: StoredEpisode, digests: Mapping[str, str]) -> StoredEpisode:
-        """The exploration as it is wanted; its steps name the recordings by the digests that these have now."""
-        steps = tuple(
-            step if step.recording is None else replace(step, recording=digests.get(step.recording, step.recording))
-            for step in episode.steps
-        )
-        owner = self.owner if episode.owner is None else episode.owner
-        if (owner, steps) != (episode.owner, episode.steps):
-            # it is another one by that, and the same upload gives the same again
-            episode = replace(episode, owner=owner, steps=steps)
-            episode = replace(episode, id=uuid5(NAMESPACE_URL, f"palpate:{episode.digest}"))
-        return self._shared(episode)
-
-    def _shared(self, one: Shared) -> Shared:
+    def of(self, one: Shared) -> Shared:
+        """A recording or an exploration as it is wanted: by its digest the same one."""
         if self.visibility is not None:
             one = replace(one, visibility=self.visibility)
         if self.embargoed_until is not None or self.ends_embargoes:

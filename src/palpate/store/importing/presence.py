@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from uuid import UUID
 
 from sqlalchemy import select
 
@@ -11,7 +12,23 @@ from palpate.store.chunks import chunks
 from palpate.store.legible import reading
 from palpate.store.store import Store
 
-__all__ = ["Presence"]
+__all__ = ["Presence", "ids_of_others"]
+
+
+def ids_of_others(store: Store, ids: Mapping[str, UUID]) -> set[str]:
+    """Which recordings a store would refuse, as it has another one under the same id.
+
+    Parameters
+    ----------
+    ids
+        Ids of recordings, by digest.
+    """
+    columns, found = schema.recordings.c, dict[bytes, str]()
+    with reading(store.engine) as connection:
+        for some in chunks([id.bytes for id in ids.values()]):
+            asked = select(columns.uuid, columns.digest).where(columns.uuid.in_(some))
+            found |= {row.uuid: row.digest.hex() for row in connection.execute(asked)}
+    return {digest for digest, id in ids.items() if found.get(id.bytes, digest) != digest}
 
 
 class Presence:
