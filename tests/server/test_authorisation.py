@@ -321,7 +321,8 @@ def test_who_uploads_by_a_form(client: TestClient, world: World, person: str) ->
     assert client.post("/upload", headers=headers).status_code == (expected or 422)
     form = {**headers, "Origin": "http://testserver"}
     assert client.post("/upload/one", data={"value": "1"}, headers=form).status_code == (expected or 422)
-    for method, address in (("GET", ""), ("GET", "/kept"), ("POST", "/keep"), ("POST", "/cancel")):
+    shown = [("GET", f"/recordings/{'0' * 64}/{one}") for one in ("files/0", "series/0/channels/0/sound")]
+    for method, address in (("GET", ""), ("GET", "/kept"), ("POST", "/keep"), ("POST", "/cancel"), *shown):
         found = client.request(method, f"/upload/{'x' * 43}{address}", headers=form)
         assert found.status_code == (expected or 404)
     for name in ("measurements", "entries", "grasp_proposals"):

@@ -32,6 +32,11 @@ from tests.store.made_up import squeeze
 from tests.store.places import check_services, emptied
 
 pytestmark = IN_A_BROWSER
+LOADED = (
+    "async player => { player.preload = 'auto'; player.load();"
+    " await new Promise(done => player.addEventListener('loadedmetadata', done)); return player.duration; }"
+)
+"""How long a sound is that a player has loaded."""
 
 
 @pytest.fixture(scope="module", params=["sqlite", "postgresql"])
@@ -111,11 +116,7 @@ def test_a_sound_plays_and_pictures_show(page: Any) -> None:
     """The sound of a knock runs in the player, and its spectrogram and the picture have pixels."""
     page.goto("/objects/lab/bell")
     page.locator("table.rows td.date a").first.click()
-    seconds = page.locator("audio").first.evaluate(
-        "async player => { player.preload = 'auto'; player.load();"
-        " await new Promise(done => player.addEventListener('loadedmetadata', done)); return player.duration; }"
-    )
-    assert seconds == pytest.approx(2.0, abs=0.05)
+    assert page.locator("audio").first.evaluate(LOADED) == pytest.approx(2.0, abs=0.05)
     for picture in page.locator("main img").all():
         picture.scroll_into_view_if_needed()
         picture.evaluate("one => one.decode()")
@@ -205,10 +206,13 @@ def test_log_in_and_correct_an_object(page: Any, place: tuple[str, str]) -> None
 
 @pytest.mark.parametrize("page", ["desktop"], indirect=True)
 def test_upload_a_file_look_at_it_and_keep_it(page: Any, place: tuple[str, str]) -> None:
-    """Files are chosen and dropped, looked at before they are sent, shown with their curves, and kept."""
+    """Files are chosen and dropped, looked at before they are sent, shown as they look and sound, and kept."""
     log_in_as_curator(page, place)
     page.get_by_role("link", name="Upload", exact=True).click()
-    sent = package(squeeze(77, thing=ThingRef("lab", "wet sponge"), visibility="lab"))
+    tone = Channel("sound", "sound pressure", None, np.sin(np.arange(16_000) / 5), rate_hz=8000.0)
+    looks = FileItem("front.png", "image/png", png(np.full((40, 60, 3), 99, np.uint8), "front"))
+    more = {"series": (*squeeze(77).series, Series("microphone", (tone,))), "files": (looks,)}
+    sent = package(squeeze(77, thing=ThingRef("lab", "wet sponge"), visibility="lab", **more))
     page.get_by_label("Choose files").set_input_files(
         [
             {"name": "sponge.zip", "mimeType": "application/zip", "buffer": sent},
@@ -227,6 +231,9 @@ def test_upload_a_file_look_at_it_and_keep_it(page: Any, place: tuple[str, str])
     page.get_by_role("button", name="Show what is in them").click()
     page.get_by_role("heading", name="Squeezing of wet sponge").wait_for(timeout=60_000)
     assert page.locator("svg.plot").count() > 0
+    assert page.locator("audio").evaluate(LOADED) == pytest.approx(2.0, abs=0.05)
+    page.get_by_alt_text("front.png").evaluate("one => one.decode()")
+    assert page.get_by_alt_text("front.png").evaluate("one => one.naturalWidth") == 60
     page.get_by_text("hello.txt is left out").wait_for()
     page.get_by_label("Who may see").select_option("public")
     page.get_by_role("button", name="Keep").click()

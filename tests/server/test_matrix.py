@@ -123,6 +123,8 @@ WHO_MAY = {
     "POST /upload": "13..11..",
     "POST /upload/one": "13..11..",
     "GET /upload/{id}": "13441144",
+    "GET /upload/{id}/recordings/{digest}/files/{place}": "13441144",
+    "GET /upload/{id}/recordings/{digest}/series/{position}/channels/{channel}/sound": "13441144",
     "POST /upload/{id}/keep": "13441144",
     "GET /upload/{id}/kept": "13441144",
     "POST /upload/{id}/cancel": "13441144",

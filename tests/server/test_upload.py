@@ -14,12 +14,15 @@ from typing import Any
 from uuid import UUID, uuid4
 from zipfile import ZIP_DEFLATED, ZipFile
 
+import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
+from palpate.server.api.sounds import SoundFile
 from palpate.server.app import application
 from palpate.server.security.accounts import Role, add_user
 from palpate.server.security.tokens import issue
+from palpate.server.uploading import drawing
 from palpate.server.uploading.previews import HOLDS_S, MOST_KEPT_OF_ACCOUNT, MOST_OF_ACCOUNT, Previews
 from palpate.server.uploading.saving import save
 from palpate.store.archive import export_archive
@@ -30,7 +33,9 @@ from palpate.store.keeping_episodes import get_episode, put_episode
 from palpate.store.listing import list_recordings
 from palpate.store.listing_episodes import list_episodes
 from palpate.store.opening import open_store
-from palpate.store.records import FileItem, ThingRef
+from palpate.store.parts import head_of
+from palpate.store.pictures import png
+from palpate.store.records import Channel, FileItem, Recording, Series, ThingRef
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer, VisibleFilter
 from tests.server.conftest import SMALL
@@ -41,6 +46,8 @@ from tests.store.made_up import squeeze
 ORIGIN = {"Origin": "http://testserver"}
 HTML = b"<!doctype html><script>alert(1)</script>"
 SVG = b'<svg xmlns="http://www.w3.org/2000/svg"><script>alert(1)</script></svg>'
+PNG = png(np.full((4, 6, 3), 99, np.uint8), "front")
+WAV = b"".join(SoundFile(Channel("knock", "sound pressure", None, np.sin(np.arange(99.0)), rate_hz=8e3)).pieces(0, 999))
 COLUMNS = b"""
 action = "squeezing"
 rate_hz = 100
@@ -483,6 +490,77 @@ def test_files_of_an_upload_come_back_harmless(ann: TestClient, store: Store) ->
         back = ann.get(f"/api/v1/recordings/{link}/files/{place}")
         assert back.headers["content-type"] == "application/octet-stream"
         assert back.headers["content-disposition"].startswith("attachment")
+
+
+def seen(number: int = 0, **changes: Any) -> Recording:
+    """A recording that has something to see and to hear, and what is neither."""
+    tone = Channel("tone", "sound pressure", "Pa", np.sin(np.arange(8000) / 5), rate_hz=8000.0)
+    files = (
+        FileItem("front.png", "image/png", PNG),
+        FileItem("page.html", "text/html", HTML),
+        FileItem("drawing.svg", "image/svg+xml", SVG),
+        FileItem("two things.png", "image/png", HTML),
+        FileItem("knock.wav", "audio/wav", WAV),
+    )
+    microphone = Series("microphone", (tone,))
+    return squeeze(number, owner="ann", series=(*squeeze(number).series, microphone), files=files, **changes)
+
+
+def test_what_waits_is_seen_and_heard(ann: TestClient, store: Store) -> None:
+    """Pictures and sounds, under their safe types, in parts too; other files wait until they are kept."""
+    sent = seen()
+    address, text = send(ann, {"one.zip": package(sent)})
+    here = f"{address}/recordings/{sent.digest}"
+    assert re.findall(r'<img src="(/upload/[^"]*)" alt="([^"]*)"', text) == [(f"{here}/files/0", "front.png")]
+    players = re.findall(r'<audio controls preload="none" src="([^"]*)"', text)
+    assert players == [f"{here}/series/1/channels/0/sound", f"{here}/files/4"]
+    assert text.count("<svg") > 2
+    for place, kind, data in ((f"{here}/files/0", "image/png", PNG), (f"{here}/files/4", "audio/wav", WAV)):
+        found = ann.get(place)
+        assert (found.status_code, found.content, found.headers["content-type"]) == (200, data, kind)
+        assert found.headers["content-security-policy"] == "default-src 'none'; sandbox"
+        assert found.headers["x-content-type-options"] == "nosniff"
+        part = ann.get(place, headers={"Range": "bytes=2-5"})
+        assert (part.status_code, part.content) == (206, data[2:6])
+    heard = ann.get(players[0])
+    assert (heard.headers["content-type"], heard.content[:4], len(heard.content)) == ("audio/wav", b"RIFF", 44 + 16_000)
+    odd = [f"files/{place}" for place in (1, 2, 3, 5, -1)]
+    for place in (*odd, "series/0/channels/0/sound", "series/9/channels/0/sound", "series/1/channels/9/sound"):
+        assert ann.get(f"{here}/{place}").status_code in (404, 422), place
+    for digest in ("0" * 64, "x" * 64, sent.digest[:-1], "..%2f" * 3):
+        assert ann.get(f"{address}/recordings/{digest}/files/0").status_code == 404, digest
+    mine = ann.cookies["palpate-session"]
+    add_user(store, "root", Role.ADMIN)
+    for name in ("ann", "root"):
+        ann.cookies.set("palpate-session", issue(store, name))
+        assert [ann.get(place).status_code for place in (f"{here}/files/0", *players)] == [404] * 3
+    ann.cookies.set("palpate-session", mine)
+    ann.post(f"{address}/keep", data={"visibility": ""})
+    assert [ann.get(place).status_code for place in (f"{here}/files/0", *players)] == [404] * 3
+
+
+def test_so_much_is_shown_and_no_more(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a recording so many curves, pictures and sounds; what is too large is not, and that there is more is told."""
+    tones = tuple(
+        Channel(f"tone {place}", "sound pressure", "Pa", np.sin(np.arange(9000.0)), rate_hz=9e3) for place in range(6)
+    )
+    pictures = tuple(FileItem(f"{place}.png", "image/png", PNG + bytes([place])) for place in range(6))
+    many = squeeze(1, series=(Series("microphones", tones),), files=pictures)
+    few = squeeze(2)
+    store.put_many([many, few])
+    heads = {one.digest: head_of(store, Viewer(everything=True), one.id) for one in (many, few)}
+    first, second = heads[many.digest], heads[few.digest]
+    assert first is not None
+    assert second is not None
+    found = drawing.drawn(store, first)
+    counted = (len(found.curves), len(found.pictures), len(found.sounds), found.is_more)
+    assert counted == (drawing.MOST_CURVES, drawing.MOST_PICTURES, drawing.MOST_SOUNDS, True)
+    assert [one.name for one in found.pictures] == ["0.png", "1.png", "2.png", "3.png"]
+    plain = drawing.drawn(store, second)
+    assert (len(plain.curves), plain.pictures, plain.sounds, plain.is_more) == (3, (), (), False)
+    monkeypatch.setattr(drawing, "LARGEST_SERIES_BYTES", 100)
+    monkeypatch.setattr(drawing, "LARGEST_FILE_BYTES", len(PNG))
+    assert drawing.drawn(store, first) == drawing.Drawn(is_more=True)
 
 
 def test_who_may_upload(ann: TestClient, store: Store) -> None:

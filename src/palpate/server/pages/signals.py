@@ -21,7 +21,7 @@ from palpate.store.records import Channel, Series
 from palpate.store.store import Store
 from palpate.store.stored_bytes import StoredBytes
 
-__all__ = ["Signals", "found_squeeze", "shown_file", "shown_signals", "sound_of_file"]
+__all__ = ["Signals", "found_squeeze", "kind_of", "shown_file", "shown_signals", "sound_of_file"]
 
 MOST_PLOTS = 12
 """Channels of a series that are drawn."""
@@ -91,14 +91,13 @@ def _drawn(head: Head, series: Series, position: int) -> Signals:
 def shown_file(store: Store, head: Head, place: int) -> dict[str, Any]:
     """A file, and whether it can be shown as a picture or heard, and drawn as a sound."""
     item = head.files[place]
-    kind = item.media_type.partition("/")[0]
-    is_safe = kind in ("image", "audio") and _may_be_shown(store, item)
-    sound = sound_of_file(store, head, place) if is_safe and kind == "audio" else None
+    kind = kind_of(store, item)
+    sound = sound_of_file(store, head, place) if kind == "audio" else None
     address = f"/recordings/{head.id}/files/{place}"
     return {
         "item": item,
         "url": f"/api/v1/recordings/{head.id}/files/{place}",
-        "kind": kind if is_safe else "other",
+        "kind": kind,
         "wave": None if sound is None else shown(channel_plot(sound), f"{address}/plot.json"),
         "spectrogram": None if sound is None else spectrogram_with_axes(sound, item.name, f"{address}/spectrogram.png"),
     }
@@ -111,6 +110,11 @@ def sound_of_file(store: Store, head: Head, place: int) -> Channel | None:
     return sound_in(store.blobs.get(head.files[place].sha256))
 
 
-def _may_be_shown(store: Store, item: StoredFile) -> bool:
+def kind_of(store: Store, item: StoredFile, largest_bytes: int = LARGEST_SHOWN) -> str:
+    """Whether a file may be shown as an ``image`` or heard as ``audio``; ``other`` where it is neither, or larger."""
+    kind = item.media_type.partition("/")[0]
+    if kind not in ("image", "audio"):
+        return "other"
     found = StoredBytes(store.blobs, item.sha256)
-    return found.size <= LARGEST_SHOWN and safe_type(item.media_type, found.beginning(BEGINNING_BYTES)) != NO_TYPE
+    is_safe = found.size <= largest_bytes and safe_type(item.media_type, found.beginning(BEGINNING_BYTES)) != NO_TYPE
+    return kind if is_safe else "other"

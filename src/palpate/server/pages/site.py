@@ -26,6 +26,7 @@ from palpate.server.pages import (
     sign_on,
     typed,
     upload,
+    waiting,
 )
 from palpate.server.pages.templates import STATIC
 
@@ -49,6 +50,7 @@ PARTS = (
     sign_on,
     sharing,
     upload,
+    waiting,
 )
 
 

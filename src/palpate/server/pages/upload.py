@@ -15,11 +15,11 @@ from starlette.datastructures import FormData, UploadFile
 
 from palpate.server.api.parameters import StoreOf
 from palpate.server.pages.templates import page
+from palpate.server.pages.waiting import Owner, Waiting, gone, waiting_preview
 from palpate.server.plausible import check_plausible
-from palpate.server.problems import ProblemError, problem
-from palpate.server.security.accounts import Account, Role
+from palpate.server.problems import problem
+from palpate.server.security.accounts import Account
 from palpate.server.security.sites import check_same_site, form_of
-from palpate.server.security.who import needs
 from palpate.server.state import State, state_of
 from palpate.server.uploading.by_hand import recording_by_hand
 from palpate.server.uploading.fates import TWICE
@@ -40,7 +40,6 @@ __all__ = ["router"]
 
 router = APIRouter(prefix="/upload")
 MOST_FILES = 1_000
-Owner = Annotated[Account, Depends(needs(Role.OWNER))]
 
 
 @router.get("")
@@ -95,24 +94,6 @@ def _files(sent: FormData) -> Iterator[tuple[str, IO[bytes]]]:
             yield part.filename, part.file
 
 
-def _preview(request: Request, who: Owner, id: str) -> Preview:
-    found = state_of(request).previews.get(id, holder_of(request, who))
-    if found is None:
-        raise _gone()
-    return found
-
-
-def _gone() -> ProblemError:
-    return problem(
-        404,
-        "there is no upload that waits here: it was kept or cancelled, its time is over, newer ones took its place,"
-        " or it is not yours",
-    )
-
-
-Waiting = Annotated[Preview, Depends(_preview)]
-
-
 def _kept_before(request: Request, who: Owner, id: str) -> Preview | None:
     return state_of(request).previews.get_kept(id, holder_of(request, who))
 
@@ -145,7 +126,7 @@ def preview(request: Request, store: StoreOf, who: Owner, id: str, kept: KeptBef
     """What was understood; where it was kept meanwhile, what became of it."""
     if kept is not None:
         return _to_kept(id)
-    return _shown(request, store, who, _preview(request, who, id), {}, None)
+    return _shown(request, store, who, waiting_preview(request, who, id), {}, None)
 
 
 def _shown(
@@ -178,7 +159,7 @@ def _shown(
 async def keep_all(request: Request, store: StoreOf, who: Owner, id: str, kept: KeptBefore) -> Response:
     """Keep what was shown, and lead to what became of it; once, also where the form is sent twice."""
     if kept is None:
-        waiting = _preview(request, who, id)
+        waiting = waiting_preview(request, who, id)
         fields = await form_of(request)
         try:
             wishes = Wishes.of_form(fields)
@@ -196,7 +177,7 @@ def _to_kept(id: str) -> Response:
 def told(request: Request, store: StoreOf, who: Owner, kept: KeptBefore) -> HTMLResponse:
     """What became of what was kept."""
     if kept is None:
-        raise _gone()
+        raise gone()
     outcomes = kept.kept()
     refused = [one for one in outcomes if one["fate"] == Fate.REFUSED.value]
     left = [one for one in outcomes if one["fate"] == Fate.SKIPPED.value]

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 from uuid import UUID
 
-from markupsafe import Markup
-
-from palpate.server.pages.signals import found_squeeze
-from palpate.server.plots.curves import channel_plot
-from palpate.server.plots.squeezes import squeeze_plot
-from palpate.server.plots.svg import svg
 from palpate.server.security.accounts import Account
+from palpate.server.uploading.drawing import Drawn, drawn
 from palpate.server.uploading.fates import ALL, Coming, coming, fate_of_exploration
 from palpate.server.uploading.previews import Preview
 from palpate.store.importing.items import Fate
 from palpate.store.opening import open_store
-from palpate.store.parts import Head, head_of, series_of
+from palpate.store.parts import Head, head_of
 from palpate.store.store import Store
 from palpate.store.visible_episodes import episode_is_visible
 
@@ -27,8 +22,7 @@ __all__ = ["Shown", "ShownEpisode", "shown_episodes", "shown_of"]
 
 MOST_SHOWN = 200
 MOST_DRAWN = 12
-MOST_CURVES = 4
-LARGEST_PLOTTED = 5_000_000
+NOTHING = Drawn()
 
 
 @dataclass(frozen=True)
@@ -43,14 +37,14 @@ class Shown:
         What will become of it.
     head
         The recording; None where none is kept, or where too many came before it.
-    curves
-        Its signals.
+    drawn
+        What is seen and heard of it.
     """
 
     source: str
     coming: Coming
     head: Head | None = None
-    curves: tuple[Markup, ...] = ()
+    drawn: Drawn = NOTHING
 
 
 @dataclass(frozen=True)
@@ -104,33 +98,16 @@ def shown_episodes(store: Store, who: Account, preview: Preview) -> list[ShownEp
 
 
 def shown_of(store: Store, who: Account, preview: Preview) -> list[Shown]:
-    """All recordings of a preview, the first ones with their curves, and what is refused or left out."""
+    """All recordings of a preview, the first ones with what is seen and heard, and what is refused or left out."""
     found = [one for one in preview.found() if one["episode"] is None]
-    items, seen, drawn = list[Shown](), 0, 0
+    items, seen, pictured = list[Shown](), 0, 0
     with open_store(preview.place, preview.blobs, durable=False, make=False) as scratch:
         for one, become in zip(found, coming(store, who, scratch, found), strict=True):
             head = None
             if become.is_kept and seen < MOST_SHOWN:
                 head = head_of(scratch, ALL, bytes.fromhex(one["digest"]))
-            curves = tuple(_curves(scratch, head)) if head is not None and drawn < MOST_DRAWN else ()
+            looks = drawn(scratch, head) if head is not None and pictured < MOST_DRAWN else NOTHING
             seen += head is not None
-            drawn += bool(curves)
-            items.append(Shown(one["source"], become, head, curves))
+            pictured += bool(looks)
+            items.append(Shown(one["source"], become, head, looks))
     return items
-
-
-def _curves(scratch: Store, head: Head) -> Iterator[Markup]:
-    count = 0
-    for position, info in enumerate(head.series):
-        if count >= MOST_CURVES or sum(channel["count"] for channel in info.channels) > LARGEST_PLOTTED:
-            continue
-        series = series_of(scratch, head, position)
-        squeeze = None if series is None else found_squeeze(head, series)
-        if squeeze is not None:
-            count += 1
-            yield svg(squeeze_plot(squeeze))
-        for channel in () if series is None else series.channels[: MOST_CURVES - count]:
-            plot = channel_plot(channel)
-            if plot is not None:
-                count += 1
-                yield svg(plot)
