@@ -62,7 +62,7 @@ def _rows(row: Listed, wanted: str | None) -> Iterator[dict[str, Any]]:
 
 
 def _columns(entry: Entry) -> Mapping[str, Any]:
-    """What the tables hold of a result; a number in a unit that was known once, and is not here, has none in SI units."""
+    """What the tables hold of a result; of a number in a unit that is not known here, none in SI units."""
     try:
         return entry_columns(entry)
     except UnitError:
