@@ -25,8 +25,9 @@ from palpate.robots.recorded import RecordedRobot
 from palpate.robots.sampled import SampledRobot
 from palpate.robots.simulated_truth import LOOKS_LIKE
 from palpate.server.simulated import DATASET, OWNER, simulated, true_value
+from palpate.server.simulated_drawings import DRAWING, drawing, kind_of
 from palpate.server.simulated_knocks import knocks
-from palpate.store.describing import change_thing
+from palpate.store.describing import change_thing, keep_image
 from palpate.store.entries import Distribution, Entry, Value
 from palpate.store.filters import Filter
 from palpate.store.importing.own_formats import EXAMPLE
@@ -35,7 +36,7 @@ from palpate.store.matching import ids_matching
 from palpate.store.reading_archive import archive_rows
 from palpate.store.records import Device, Setup, ThingRef
 from palpate.store.store import Store
-from palpate.store.things import Thing, list_things
+from palpate.store.things import Image, Thing, list_things
 
 __all__ = ["add_example"]
 
@@ -98,13 +99,14 @@ def _costs_s(network: Network) -> dict[str, float]:
 
 
 def _tell_truths(store: Store, network: Network) -> None:
-    """Say what the simulation began with, so that it is what everything is compared to."""
+    """Say what the simulation began with, which is what everything is compared to, and draw each object."""
     there = {thing.ref.id: thing for thing in list_things(store) if thing.ref.dataset == DATASET}
     for known in network.objects.values():
         if known.name in there:
             values = {name: true_value(known, name) for name in (*UNITS, "category", "material")}
             entries = list(_entries(values))
-            change_thing(store, there[known.name].ref, partial(_told, entries, known.looks_like), who=OWNER)
+            image = keep_image(store, DRAWING, "image/png", drawing(*kind_of(known)))
+            change_thing(store, there[known.name].ref, partial(_told, entries, known.looks_like, image), who=OWNER)
 
 
 def _entries(values: dict[str, float | str | None]) -> Iterator[Entry]:
@@ -115,9 +117,9 @@ def _entries(values: dict[str, float | str | None]) -> Iterator[Entry]:
             yield Distribution(name, {value: 1.0})
 
 
-def _told(entries: Sequence[Entry], looks_like: str | None, thing: Thing) -> Thing:
+def _told(entries: Sequence[Entry], looks_like: str | None, image: Image, thing: Thing) -> Thing:
     if looks_like is not None:
         thing = thing.described(attributes={**thing.ref.attributes, LOOKS_LIKE: looks_like})
     for entry in entries:
         thing = thing.knowing(entry, "what the simulation began with")
-    return thing
+    return thing.showing(image)

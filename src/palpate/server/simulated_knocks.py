@@ -1,4 +1,4 @@
-"""Knocks that nobody made, each with a sound and a drawing, so that the example can be heard and seen."""
+"""Knocks that nobody made, each with a sound and a drawing of the object, so that the example can be heard and seen."""
 
 from __future__ import annotations
 
@@ -8,27 +8,23 @@ from datetime import UTC, datetime, timedelta
 from uuid import NAMESPACE_URL, uuid5
 
 import numpy as np
-from numpy.typing import NDArray
 
 from palpate.network.model import KnownObject, Network
 from palpate.server.simulated import DATASET, OWNER
-from palpate.store.pictures import png
+from palpate.server.simulated_drawings import DRAWING, drawing, kind_of
 from palpate.store.records import Channel, Device, FileItem, Recording, Series, Setup, ThingRef
 
-__all__ = ["DRAWING", "drawing_of", "knocks"]
+__all__ = ["knocks"]
 
 NOTICES = (
     "simulated by a program from three tones that die away, with noise: nothing was knocked on",
-    "the picture is drawn by a program from the material alone: it shows no object",
+    "the picture is drawn by a program from category and material: it is no photograph",
 )
-DRAWING = "simulated drawing.png"
 FIRST = datetime(2025, 1, 20, 9, tzinfo=UTC)
 RATE_HZ, LENGTH_S, BEFORE_S = 16_000.0, 0.8, 0.1
 NOISE_PA, LOUDNESS_PA = 0.002, 0.4
 OVERTONES = ((1.0, 1.0), (2.76, 0.5), (5.40, 0.25))
 """Of a bar that is free at both ends: times of the lowest tone, and share of its loudness."""
-ROWS, COLUMNS = 180, 240
-BACKGROUND = (236, 233, 224)
 
 
 @dataclass(frozen=True)
@@ -37,18 +33,17 @@ class Ringing:
 
     tone_hz: float
     decay_s: float
-    colour: tuple[int, int, int]
 
 
 MATERIALS = {
-    "ceramic": Ringing(1250.0, 0.07, (214, 206, 190)),
-    "foam": Ringing(140.0, 0.006, (228, 196, 84)),
-    "glass": Ringing(1400.0, 0.11, (168, 200, 206)),
-    "hard-plastic": Ringing(620.0, 0.018, (180, 72, 60)),
-    "metal": Ringing(1050.0, 0.18, (150, 156, 164)),
-    "paper": Ringing(260.0, 0.008, (204, 180, 140)),
-    "soft-plastic": Ringing(330.0, 0.012, (232, 208, 70)),
-    "wood": Ringing(480.0, 0.022, (160, 112, 64)),
+    "ceramic": Ringing(1250.0, 0.07),
+    "foam": Ringing(140.0, 0.006),
+    "glass": Ringing(1400.0, 0.11),
+    "hard-plastic": Ringing(620.0, 0.018),
+    "metal": Ringing(1050.0, 0.18),
+    "paper": Ringing(260.0, 0.008),
+    "soft-plastic": Ringing(330.0, 0.012),
+    "wood": Ringing(480.0, 0.022),
 }
 
 
@@ -66,7 +61,7 @@ def knocks(network: Network) -> Iterator[Recording]:
             visibility="public",
             software="palpate.server.example",
             series=(Series("knock", (_sound(ringing, number),)),),
-            files=(FileItem(DRAWING, "image/png", drawing_of(ringing)),),
+            files=(FileItem(DRAWING, "image/png", drawing(*kind_of(thing))),),
             notices=NOTICES,
         )
         yield recording
@@ -93,20 +88,3 @@ def _sound(ringing: Ringing, seed: int) -> Channel:
     )
     pressure = LOUDNESS_PA * np.where(time_s >= 0, tones, 0.0) + rng.normal(0.0, NOISE_PA, time_s.size)
     return Channel("sound", "sound pressure", "Pa", np.asarray(pressure, np.float32), rate_hz=RATE_HZ)
-
-
-def drawing_of(ringing: Ringing) -> bytes:
-    """A ball of that colour on a table, as PNG."""
-    rows, columns = np.mgrid[0:ROWS, 0:COLUMNS]
-    across, down = (columns - COLUMNS / 2) / 62.0, (rows - 82.0) / 62.0
-    ground = np.broadcast_to(np.array(BACKGROUND, float), (ROWS, COLUMNS, 3))
-    shadow = np.exp(-(((columns - COLUMNS / 2 - 14) / 62.0) ** 2) - ((rows - 148.0) / 9.0) ** 2)
-    ground = ground * (1 - 0.45 * shadow[..., np.newaxis])
-    height = np.sqrt(np.maximum(0.0, 1 - across**2 - down**2))
-    lit = 0.35 + 0.65 * np.maximum(0.0, (-0.5 * across - 0.6 * down + 0.62 * height))
-    ball = np.array(ringing.colour, float) * lit[..., np.newaxis]
-    return png(_bytes(np.where((across**2 + down**2 < 1)[..., np.newaxis], ball, ground)), DRAWING)
-
-
-def _bytes(picture: NDArray[np.float64]) -> NDArray[np.uint8]:
-    return np.clip(picture, 0, 255).astype(np.uint8)
