@@ -20,6 +20,7 @@ from fastapi.testclient import TestClient
 
 from palpate.server.api.sounds import SoundFile
 from palpate.server.app import application
+from palpate.server.pages.allowance import Allowance
 from palpate.server.security.accounts import Role, add_user
 from palpate.server.security.tokens import issue
 from palpate.server.uploading import drawing
@@ -552,15 +553,14 @@ def test_so_much_is_shown_and_no_more(store: Store, monkeypatch: pytest.MonkeyPa
     first, second = heads[many.digest], heads[few.digest]
     assert first is not None
     assert second is not None
-    found = drawing.drawn(store, first)
+    found = drawing.drawn(store, first, Allowance())
     counted = (len(found.curves), len(found.pictures), len(found.sounds), found.is_more)
     assert counted == (drawing.MOST_CURVES, drawing.MOST_PICTURES, drawing.MOST_SOUNDS, True)
     assert [one.name for one in found.pictures] == ["0.png", "1.png", "2.png", "3.png"]
-    plain = drawing.drawn(store, second)
+    plain = drawing.drawn(store, second, Allowance())
     assert (len(plain.curves), plain.pictures, plain.sounds, plain.is_more) == (3, (), (), False)
-    monkeypatch.setattr(drawing, "LARGEST_SERIES_BYTES", 100)
     monkeypatch.setattr(drawing, "LARGEST_FILE_BYTES", len(PNG))
-    assert drawing.drawn(store, first) == drawing.Drawn(is_more=True)
+    assert drawing.drawn(store, first, Allowance(numbers=100)) == drawing.Drawn(is_more=True)
 
 
 def test_who_may_upload(ann: TestClient, store: Store) -> None:

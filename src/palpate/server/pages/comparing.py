@@ -15,6 +15,7 @@ from palpate.server.api.parameters import StoreOf
 from palpate.server.api.queries import Text
 from palpate.server.api.series import cell_text
 from palpate.server.benchmark import Agreement, agreements
+from palpate.server.pages.allowance import MOST_NUMBERS
 from palpate.server.pages.colours import colours_of
 from palpate.server.pages.overlays import choices_of, laid_over
 from palpate.server.pages.shown import Dark, figure, shown
@@ -70,6 +71,7 @@ def compare(request: Request, store: StoreOf, who: Who, asked: Annotated[Asked, 
         choices=choices,
         not_drawn=sum(one.ticked and one.colour is None for one in choices),
         laid=laid,
+        most_numbers=MOST_NUMBERS,
         colours=colours,
         plot=None
         if found is None

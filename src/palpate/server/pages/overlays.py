@@ -14,15 +14,17 @@ from fastapi.responses import Response
 from pydantic import Field
 
 from palpate.server.api.parameters import StoreOf
+from palpate.server.pages.allowance import Allowance
 from palpate.server.pages.others import in_words
 from palpate.server.pages.shown import Dark, Shown, figure, shown
-from palpate.server.pages.signals import LARGEST_PLOTTED, found_squeeze
+from palpate.server.pages.signals import MOST_SERIES, found_squeeze
 from palpate.server.plots.curves import channel_plot
 from palpate.server.plots.drawing import COLOURS
 from palpate.server.plots.overlays import Laid, Overlay, overlay
+from palpate.server.plots.plot import Plot
+from palpate.server.plots.squeezes import FoundSqueeze, may_be_squeeze
 from palpate.server.security.who import Who
 from palpate.store.parts import Head, head_of, series_of
-from palpate.store.records import Series
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
 from palpate.store.visible_results import Result
@@ -86,39 +88,51 @@ def _name(one: Result) -> str:
     return f"{one.measured_by}, {one.recorded_at:%Y-%m-%d %H:%M}"
 
 
-def laid_over(store: Store, viewer: Viewer, colours: Mapping[UUID, int]) -> tuple[Shown | None, Overlay]:
-    """The plot of recordings, as far as they are seen, each in its colour."""
-    found = overlay(list(_laid(store, viewer, list(colours), list(colours.values()))))
+def laid_over(store: Store, viewer: Viewer, colours: Mapping[UUID, int]) -> tuple[Shown | None, Overlay, list[Laid]]:
+    """The plot of recordings, as far as they are seen, each in its colour; and those that are too large to be read."""
+    laid = list(_laid(store, viewer, list(colours), list(colours.values())))
+    found = overlay([one for one in laid if one.too_large is None])
     asked = [pair for key, colour in colours.items() for pair in (("recording", str(key)), ("colour", str(colour)))]
     address = f"/compare/curves.json?{urlencode(asked)}"
-    return shown(found.plot, address), found
+    return shown(found.plot, address), found, [one for one in laid if one.too_large is not None]
 
 
 @router.get("/curves.json")
 def curves(store: StoreOf, who: Who, recording: Chosen, colour: Colours = (), dark: Dark = False) -> Response:
     """The figure of recordings that are laid over each other, each in its colour; without colours, one each."""
     colours = colour or range(len(recording))
-    return figure(overlay(list(_laid(store, who.viewer, recording, colours))).plot, dark=dark)
+    laid = [one for one in _laid(store, who.viewer, recording, colours) if one.too_large is None]
+    return figure(overlay(laid).plot, dark=dark)
 
 
 def _laid(store: Store, viewer: Viewer, recordings: Sequence[UUID], colours: Sequence[int]) -> Iterator[Laid]:
+    left = Allowance()
     for place, key in enumerate(recordings):
-        colour = colours[place % len(colours)]
         head = head_of(store, viewer, key)
         if head is None:
             continue
-        series = list(_small_series(store, head))
-        squeezes = (found_squeeze(head, one) for one in series)
-        plots = (channel_plot(channel) for one in series for channel in one.channels)
+        squeeze, plot, is_whole = _first(store, head, left)
         devices = head.setup.devices
         device = head.setup.gripper or (devices[0] if devices else None)
         name = f"{device.name if device else 'nothing that is named'}, {head.recorded_at:%Y-%m-%d %H:%M}"
-        yield Laid(name, colour, next(filter(None, squeezes), None), next(filter(None, plots), None))
+        too_large = None if is_whole or squeeze or plot else head.id
+        yield Laid(name, colours[place % len(colours)], squeeze, plot, too_large)
 
 
-def _small_series(store: Store, head: Head) -> Iterator[Series]:
-    for position, info in enumerate(head.series):
-        if sum(channel["count"] for channel in info.channels) <= LARGEST_PLOTTED // COLOURS:
-            series = series_of(store, head, position)
-            if series is not None:
-                yield series
+def _first(store: Store, head: Head, left: Allowance) -> tuple[FoundSqueeze | None, Plot | None, bool]:
+    """The first squeeze of a recording, or else its first channel that is a curve; whether all could be read for it."""
+    places = range(len(head.series[:MOST_SERIES]))
+    squeezes = [place for place in places if may_be_squeeze(one["unit"] for one in head.series[place].channels)]
+    plot, is_whole = None, len(places) == len(head.series)
+    for place in (*squeezes, *(place for place in places if place not in squeezes)):
+        if plot is not None and place not in squeezes:
+            break
+        series = series_of(store, head, place) if left.reads(head.series[place].numbers) else None
+        if series is None:
+            is_whole = False
+            continue
+        found = found_squeeze(head, series, left)
+        if found is not None:
+            return found, None, is_whole
+        plot = plot or next(filter(None, map(channel_plot, series.channels)), None)
+    return None, plot, is_whole

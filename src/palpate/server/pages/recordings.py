@@ -9,12 +9,20 @@ from fastapi.responses import HTMLResponse, Response
 
 from palpate.server.api.parameters import Place, SeenRecording, StoreOf
 from palpate.server.api.queries import RecordingQuery
-from palpate.server.api.series import found_series
 from palpate.server.api.sounds import is_sound
+from palpate.server.pages.allowance import MOST_NUMBERS, Allowance
 from palpate.server.pages.citing import citation
 from palpate.server.pages.sharing import form_values
 from palpate.server.pages.shown import Dark, figure
-from palpate.server.pages.signals import found_squeeze, shown_file, shown_signals, sound_of_file
+from palpate.server.pages.signals import (
+    MOST_FILES,
+    MOST_SERIES,
+    drawn_series,
+    found_squeeze,
+    shown_files,
+    shown_signals,
+    sound_of_file,
+)
 from palpate.server.pages.templates import page
 from palpate.server.plots.curves import channel_plot
 from palpate.server.plots.spectrogram import spectrogram
@@ -42,15 +50,18 @@ def rows(request: Request, store: StoreOf, who: Who, query: Annotated[RecordingQ
 @router.get("/{key}")
 def one(request: Request, store: StoreOf, who: Who, head: SeenRecording) -> HTMLResponse:
     """A recording with its signals, files, setup, poses, results and log."""
-    log = log_of(store, head)
+    log, left = log_of(store, head), Allowance()
     return page(
         request,
         "recording.html",
         head=head,
         plain=head.document,
         sharing=form_values(store, who, schema.recordings, head.id),
-        signals=list(shown_signals(store, head)),
-        files=[shown_file(store, head, place) for place in range(len(head.files))],
+        signals=list(shown_signals(store, head, left)),
+        series_left_out=len(head.series[MOST_SERIES:]),
+        most_numbers=MOST_NUMBERS,
+        files=shown_files(store, head, left),
+        files_left_out=len(head.files[MOST_FILES:]),
         citation=citation(head, str(request.base_url).rstrip("/")),
         log=log[:LONGEST_LOG],
         log_is_longer=len(log) > LONGEST_LOG,
@@ -60,21 +71,21 @@ def one(request: Request, store: StoreOf, who: Who, head: SeenRecording) -> HTML
 @router.get("/{key}/series/{position}/squeeze.json")
 def squeeze(store: StoreOf, head: SeenRecording, position: Place, dark: Dark = False) -> Response:
     """The figure of a squeeze."""
-    found = found_squeeze(head, found_series(store, head, position))
+    found = found_squeeze(head, drawn_series(store, head, position), Allowance())
     return figure(None if found is None else squeeze_plot(found), dark=dark)
 
 
 @router.get("/{key}/series/{position}/channels/{channel}/plot.json")
 def curve(store: StoreOf, head: SeenRecording, position: Place, channel: Place, dark: Dark = False) -> Response:
     """The figure of a channel over time."""
-    channels = found_series(store, head, position).channels
+    channels = drawn_series(store, head, position).channels
     return figure(channel_plot(channels[channel]) if channel < len(channels) else None, dark=dark)
 
 
 @router.get("/{key}/series/{position}/channels/{channel}/spectrogram.png")
 def picture(store: StoreOf, head: SeenRecording, position: Place, channel: Place) -> Response:
     """How loud a sound is at each pitch, over time."""
-    series = found_series(store, head, position)
+    series = drawn_series(store, head, position)
     if channel >= len(series.channels) or not is_sound(series.channels[channel]):
         raise problem(404, f"recording {head.id}: series {position} has no sound at channel {channel}")
     return Response(spectrogram(series.channels[channel]), media_type="image/png")

@@ -40,6 +40,9 @@ def time_of(channel: Channel) -> tuple[Numbers, str]:
     count = len(channel.values)
     if channel.time_s is not None and np.isfinite(channel.time_s).all():
         return channel.time_s, "time [s]"
+    places = np.arange(count, dtype=np.float64)
     if channel.rate_hz is not None:
-        return np.arange(count) / channel.rate_hz, "time [s]"
-    return np.arange(count, dtype=np.float64), "sample"
+        # no second copy of very many
+        places /= channel.rate_hz
+        return places, "time [s]"
+    return places, "sample"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from uuid import UUID
 
 from palpate.server.plots.plot import Curve, Numbers, Plot
 from palpate.server.plots.squeezes import FoundSqueeze
@@ -13,12 +14,16 @@ __all__ = ["Laid", "Overlay", "overlay"]
 
 @dataclass(frozen=True)
 class Laid:
-    """A recording with a name and the colour of its device; its squeeze, or else its first channel, as a plot."""
+    """A recording with a name and the colour of its device; its squeeze, or else its first channel, as a plot.
+
+    `too_large` is its id where some of its series were too large to be read, and neither was found in the others.
+    """
 
     name: str
     colour: int
     squeeze: FoundSqueeze | None
     channel: Plot | None
+    too_large: UUID | None = None
 
 
 @dataclass(frozen=True)

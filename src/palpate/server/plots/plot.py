@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,11 +127,13 @@ def thinned(x: Numbers, y: Numbers, stretches: int) -> tuple[Numbers, Numbers]:
     """
     if len(y) <= 2 * stretches:
         return x, y
-    there = np.isfinite(x) & np.isfinite(y)
-    # of a stretch that is missing these are its first sample, which is missing too
-    low, high = (np.array_split(np.where(there, y, other), stretches) for other in (np.inf, -np.inf))
-    places, start = [], 0
-    for lows, highs in zip(low, high, strict=True):
-        places += sorted((start + int(lows.argmin()), start + int(highs.argmax())))
-        start += len(lows)
+    places, ends = list[int](), np.linspace(0, len(y), stretches + 1).astype(np.int64).tolist()
+    # stretch by stretch, so that no copies of all samples are made
+    for start, end in pairwise(ends):
+        here = y[start:end]
+        there = np.isfinite(x[start:end]) & np.isfinite(here)
+        # of a stretch that is missing these are its first sample, which is missing too
+        places += sorted(
+            (start + int(np.where(there, here, np.inf).argmin()), start + int(np.where(there, here, -np.inf).argmax()))
+        )
     return x[places], y[places]

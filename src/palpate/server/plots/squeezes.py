@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,7 +16,17 @@ from palpate.server.plots.drawing import number
 from palpate.server.plots.plot import Curve, Look, Numbers, Plot
 from palpate.store.records import Series, Setup
 
-__all__ = ["MM", "NEWTON", "FoundSqueeze", "Held", "held_by", "squeeze_of", "squeeze_plot", "squeeze_words"]
+__all__ = [
+    "MM",
+    "NEWTON",
+    "FoundSqueeze",
+    "Held",
+    "held_by",
+    "may_be_squeeze",
+    "squeeze_of",
+    "squeeze_plot",
+    "squeeze_words",
+]
 
 GAP_SD_MM = 0.1
 """Of the jaws of a gripper, where nothing more is known."""
@@ -123,6 +133,18 @@ def squeeze_of(series: Series, held: Held) -> FoundSqueeze | None:
     if not len(gap):
         return None
     return replace(_found(gap, force, held), missing=int(np.count_nonzero(~is_there)))
+
+
+def may_be_squeeze(units: Iterable[str | None]) -> bool:
+    """Whether a series may be a squeeze, by the units of its channels, so that none is read for nothing.
+
+    Examples
+    --------
+    >>> may_be_squeeze(["mm", None, "N"]), may_be_squeeze(["mm", "A"])
+    (True, False)
+    """
+    there = set(units)
+    return not there.isdisjoint(MM) and not there.isdisjoint(NEWTON)
 
 
 def _in_unit(series: Series, factors: Mapping[str, float]) -> list[Numbers]:

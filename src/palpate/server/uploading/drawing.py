@@ -9,7 +9,8 @@ from itertools import islice
 from markupsafe import Markup
 
 from palpate.server.api.sounds import is_sound
-from palpate.server.pages.signals import found_squeeze, kind_of, sound_of_file
+from palpate.server.pages.allowance import Allowance
+from palpate.server.pages.signals import MOST_FILES, MOST_SERIES, found_squeeze, kind_of, most_numbers, sound_of_file
 from palpate.server.plots.curves import channel_plot
 from palpate.server.plots.plot import Plot
 from palpate.server.plots.squeezes import squeeze_plot
@@ -23,7 +24,6 @@ __all__ = ["Drawn", "Played", "drawn"]
 MOST_CURVES = 4
 MOST_PICTURES = 4
 MOST_SOUNDS = 4
-LARGEST_SERIES_BYTES = 64 << 20
 LARGEST_FILE_BYTES = 20 << 20
 
 
@@ -48,11 +48,11 @@ class Drawn:
         return bool(self.curves or self.pictures or self.sounds)
 
 
-def drawn(scratch: Store, head: Head) -> Drawn:
-    """What a page shows of a recording before it is kept."""
-    series = list(_series(scratch, head))
-    kinds = [kind_of(scratch, item, LARGEST_FILE_BYTES) for item in head.files]
-    plots = list(islice(_plots(scratch, head, series, kinds), MOST_CURVES + 1))
+def drawn(scratch: Store, head: Head, left: Allowance) -> Drawn:
+    """What a page shows of a recording before it is kept, as far as it may still be read."""
+    series = list(_series(scratch, head, left))
+    kinds = [kind_of(scratch, item, LARGEST_FILE_BYTES) for item in head.files[:MOST_FILES]]
+    plots = list(islice(_plots(scratch, head, series, kinds, left), MOST_CURVES + 1))
     pictures = [Played(head.files[place].name, f"files/{place}") for place in _places(kinds, "image")]
     sounds = [
         *_sounds(series),
@@ -71,21 +71,24 @@ def _places(kinds: list[str], wanted: str) -> Iterator[int]:
     return (place for place, kind in enumerate(kinds) if kind == wanted)
 
 
-def _series(scratch: Store, head: Head) -> Iterator[tuple[int, Series]]:
-    for position, info in enumerate(head.series):
-        series = series_of(scratch, head, position) if info.size_bytes <= LARGEST_SERIES_BYTES else None
+def _series(scratch: Store, head: Head, left: Allowance) -> Iterator[tuple[int, Series]]:
+    for position, info in enumerate(head.series[:MOST_SERIES]):
+        series = series_of(scratch, head, position) if left.reads(info.numbers) else None
         if series is not None:
             yield position, series
 
 
-def _plots(scratch: Store, head: Head, all_series: list[tuple[int, Series]], kinds: list[str]) -> Iterator[Plot]:
+def _plots(
+    scratch: Store, head: Head, all_series: list[tuple[int, Series]], kinds: list[str], left: Allowance
+) -> Iterator[Plot]:
     for _, series in all_series:
-        squeeze = found_squeeze(head, series)
+        squeeze = found_squeeze(head, series, left)
         if squeeze is not None:
             yield squeeze_plot(squeeze)
         yield from (plot for plot in map(channel_plot, series.channels) if plot is not None)
     for place in _places(kinds, "audio"):
-        sound = sound_of_file(scratch, head, place)
+        may_be_read = left.reads(most_numbers(scratch, head.files[place]))
+        sound = sound_of_file(scratch, head, place) if may_be_read else None
         plot = None if sound is None else channel_plot(sound)
         if plot is not None:
             yield plot

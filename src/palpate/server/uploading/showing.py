@@ -8,6 +8,7 @@ from datetime import datetime
 from typing import Any
 from uuid import UUID
 
+from palpate.server.pages.allowance import Allowance
 from palpate.server.security.accounts import Account
 from palpate.server.uploading.drawing import Drawn, drawn
 from palpate.server.uploading.fates import ALL, Coming, coming, fate_of_exploration
@@ -100,13 +101,13 @@ def shown_episodes(store: Store, who: Account, preview: Preview) -> list[ShownEp
 def shown_of(store: Store, who: Account, preview: Preview) -> list[Shown]:
     """All recordings of a preview, the first ones with what is seen and heard, and what is refused or left out."""
     found = [one for one in preview.found() if one["episode"] is None]
-    items, seen, pictured = list[Shown](), 0, 0
+    items, seen, pictured, left = list[Shown](), 0, 0, Allowance()
     with open_store(preview.place, preview.blobs, durable=False, make=False) as scratch:
         for one, become in zip(found, coming(store, who, scratch, found), strict=True):
             head = None
             if become.is_kept and seen < MOST_SHOWN:
                 head = head_of(scratch, ALL, bytes.fromhex(one["digest"]))
-            looks = drawn(scratch, head) if head is not None and pictured < MOST_DRAWN else NOTHING
+            looks = drawn(scratch, head, left) if head is not None and pictured < MOST_DRAWN else NOTHING
             seen += head is not None
             pictured += bool(looks)
             items.append(Shown(one["source"], become, head, looks))
