@@ -1,6 +1,7 @@
 """Files of any size: in part, only where they are others, in pieces, and from the bucket that has them."""
 
 import hashlib
+import socket
 from collections.abc import Iterator
 from http.client import IncompleteRead
 from pathlib import Path
@@ -20,7 +21,7 @@ from palpate.store.opening import open_store
 from palpate.store.records import FileItem
 from palpate.store.signing import signed_again
 from palpate.store.store import Store
-from tests.server.serving import listening, served
+from tests.server.serving import free_port, listening, served
 from tests.store.made_up import squeeze
 from tests.store.places import check_services, damage, new_bucket
 
@@ -189,12 +190,16 @@ def test_without_leave_the_server_answers(bucket: Store) -> None:
 def test_addresses_need_a_bucket_and_a_key(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Where there is none, the server does not begin, and says what would be right."""
-    command = ["serve", "--signed-urls", "--store", str(tmp_path / "store.sqlite")]
-    assert "the blobs are in a folder, expected a bucket such as" in told_by(command, capsys)
+    """Where there is none, the server does not begin, and says what would be right, before it looks at its port."""
     monkeypatch.delenv("AWS_SECRET_ACCESS_KEY", raising=False)
     monkeypatch.setenv("AWS_REGION", "eu-west-1")
-    assert "expected a bucket of S3 and AWS_SECRET_ACCESS_KEY" in told_by([*command, "--blobs", "s3://lab/b"], capsys)
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        for port in (free_port(), other.getsockname()[1]):
+            command = ["serve", "--signed-urls", "--store", str(tmp_path / "store.sqlite"), "--port", str(port)]
+            assert "the blobs are in a folder, expected a bucket such as" in told_by(command, capsys)
+            keyless = told_by([*command, "--blobs", "s3://lab/b"], capsys)
+            assert "expected a bucket of S3 and AWS_SECRET_ACCESS_KEY" in keyless
+    assert list(tmp_path.iterdir()) == []
 
 
 def told_by(command: list[str], capsys: pytest.CaptureFixture[str]) -> str:

@@ -42,15 +42,17 @@ def serve(
     """Serve the store as pages and as a web service, until interrupted."""
     check_installed()
     elsewhere = provider.settings()
-    from palpate.cli.serving import ready_store, tell
+    from palpate.cli.serving import check_signing, ready_store, tell
     from palpate.server.running import local_key
     from palpate.server.running import serve as run
     from palpate.server.settings import Settings
 
     address, reached = where.address(), where.reached()
     alone = address.is_local and where.public is None
+    if signed_urls:
+        check_signing(place)
     address.check_free()
-    ready_store(place, example=example, signed_urls=signed_urls)
+    ready_store(place, example=example)
     settings = Settings(
         place.place,
         place.blobs,

@@ -11,22 +11,13 @@ from palpate.errors import PalpateError
 if TYPE_CHECKING:
     from palpate.server.running import Address, PublicAddress
     from palpate.server.settings import Settings
-    from palpate.store.blobs import Blobs
 
-__all__ = ["ready_store", "tell"]
+__all__ = ["check_signing", "ready_store", "tell"]
 
 
-def ready_store(place: Place, *, example: bool, signed_urls: bool) -> None:
-    """Make the store where there is none, before workers do so at once; add the example data where that is asked.
-
-    Raises
-    ------
-    PalpateError
-        If addresses in a bucket shall be signed, and there is no bucket or no key to do it with.
-    """
+def ready_store(place: Place, *, example: bool) -> None:
+    """Make the store where there is none, before workers do so at once; add the example data where that is asked."""
     with place.opened(make=True) as store:
-        if signed_urls:
-            check_signing(store.blobs)
         if example:
             from palpate.server.example import add_example
 
@@ -34,10 +25,18 @@ def ready_store(place: Place, *, example: bool, signed_urls: bool) -> None:
             add_example(store)
 
 
-def check_signing(blobs: Blobs) -> None:
-    """Refuse to begin what would fail at the first file."""
-    from palpate.store.bucket import BucketBlobs
+def check_signing(place: Place) -> None:
+    """Refuse to begin what would fail at the first file.
 
+    Raises
+    ------
+    PalpateError
+        If there is no bucket of which addresses can be signed, or no key to do it with.
+    """
+    from palpate.store.bucket import BucketBlobs
+    from palpate.store.opening import blobs_of
+
+    blobs = blobs_of(place.place, place.blobs)
     if not isinstance(blobs, BucketBlobs):
         raise PalpateError("--signed-urls: the blobs are in a folder, expected a bucket such as --blobs s3://lab/blobs")
     blobs.signed_url("0" * 64, 1.0, "application/octet-stream", "attachment")

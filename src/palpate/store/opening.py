@@ -14,7 +14,7 @@ from palpate.store.errors import StoreError
 from palpate.store.foreign import is_foreign
 from palpate.store.store import Store
 
-__all__ = ["open_store"]
+__all__ = ["blobs_of", "open_store"]
 
 
 def open_store(
@@ -55,21 +55,14 @@ def open_store(
     ...     type(store.blobs).__name__
     'FolderBlobs'
     """
-    # of a variable of the shell that is not set; another store than the one that was meant would be written to
-    for name, given in (("store", place), ("blobs", blobs)):
-        if isinstance(given, str) and not given.strip():
-            raise StoreError(f"{name}: found {given!r}, expected a place, or none at all for the usual one")
-    place = place or os.environ.get("PALPATE_STORE") or default_path()
-    url = str(place)
-    path = None if "://" in url else Path(url).absolute()
-    if path is None and url.startswith("sqlite:///"):
-        path = Path(url.removeprefix("sqlite:///")).absolute()
+    url, path = _place(place)
+    _check_given("blobs", blobs)
     if path is not None:
         _check_file(path, make=make)
         url = f"sqlite:///{path}"
     engine = connect(url, durable=durable, cache_bytes=cache_bytes)
     try:
-        kept = _blobs(blobs or os.environ.get("PALPATE_BLOBS"), path)
+        kept = blobs_of(place, blobs)
         is_new = not is_store(engine)
         if is_new and not make:
             raise _not_there(path or engine.url)
@@ -81,6 +74,35 @@ def open_store(
         engine.dispose()
         raise
     return Store(engine, kept)
+
+
+def blobs_of(place: str | Path | None = None, blobs: str | Path | None = None) -> Blobs:
+    """Where a store would have its large bytes, without opening or making it; places as of `open_store`.
+
+    Raises
+    ------
+    StoreError
+        If it is no such place.
+    """
+    _, path = _place(place)
+    _check_given("blobs", blobs)
+    return _blobs(blobs or os.environ.get("PALPATE_BLOBS"), path)
+
+
+def _place(place: str | Path | None) -> tuple[str, Path | None]:
+    """The address of a database, or the file that it is."""
+    _check_given("store", place)
+    url = str(place or os.environ.get("PALPATE_STORE") or default_path())
+    path = None if "://" in url else Path(url).absolute()
+    if path is None and url.startswith("sqlite:///"):
+        path = Path(url.removeprefix("sqlite:///")).absolute()
+    return url, path
+
+
+def _check_given(name: str, given: str | Path | None) -> None:
+    # of a variable of the shell that is not set; another store than the one that was meant would be written to
+    if isinstance(given, str) and not given.strip():
+        raise StoreError(f"{name}: found {given!r}, expected a place, or none at all for the usual one")
 
 
 def default_path() -> Path:
