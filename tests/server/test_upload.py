@@ -24,6 +24,7 @@ from palpate.server.pages.allowance import Allowance
 from palpate.server.security.accounts import Role, add_user
 from palpate.server.security.tokens import issue
 from palpate.server.uploading import drawing
+from palpate.server.uploading.preview import Preview
 from palpate.server.uploading.previews import HOLDS_S, MOST_KEPT_OF_ACCOUNT, MOST_OF_ACCOUNT, Previews
 from palpate.server.uploading.saving import save
 from palpate.store.archive import export_archive
@@ -200,15 +201,22 @@ def test_what_was_kept_is_a_page_that_can_be_loaded_again(store: Store, tmp_path
     assert len(list_recordings(store).rows) == 1
 
 
+def waiting(previews: Previews, account: str) -> Preview:
+    """An upload of an account that was read, and waits."""
+    made = previews.new(f"{account}'s session", account)
+    assert made is not None
+    (made.folder / "found.json").write_text(json.dumps([{"digest": "0" * 64, "episode": None}]))
+    previews.admit(made)
+    return made
+
+
 def test_what_became_of_uploads_is_told_for_a_while(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It takes the place of none that waits, there are so many of an account at most, and then all of it ends."""
     previews = Previews(tmp_path)
     ids = list[str]()
     for _ in range(MOST_KEPT_OF_ACCOUNT + 2):
-        made = previews.new("ann's session", "ann")
-        assert made is not None
+        made = waiting(previews, "ann")
         assert made.dropped == 0
-        (made.folder / "found.json").write_text("[]")
         with previews.taken(made) as mine:
             assert mine is not None
             mine.note_kept([])
@@ -635,24 +643,30 @@ def test_a_number_that_is_none_is_not_kept(ann: TestClient, store: Store) -> Non
 def test_one_upload_too_many_says_what_made_room(ann: TestClient) -> None:
     """On the page of the new one, beforehand on the form, and at the address of the one that is gone."""
     assert f"{MOST_OF_ACCOUNT} uploads wait for that at most" in ann.get("/upload").text
-    sent = [send(ann, {"notes.txt": b"nothing"}) for _ in range(MOST_OF_ACCOUNT + 1)]
+    sent = [send(ann, {"one.zip": package(squeeze(1, owner="ann"))}) for _ in range(MOST_OF_ACCOUNT)]
+    address, text = send(ann, {"notes.txt": b"nothing", "cut.zip": b"PK"})
+    assert address.endswith("/kept")
+    assert "Nothing of it is kept" in text
+    assert fates(text).keys() == {"notes.txt", "cut.zip"}
+    assert [ann.get(place).status_code for place, _ in sent] == [200] * MOST_OF_ACCOUNT
+    sent.append(send(ann, {"one.zip": package(squeeze(1, owner="ann"))}))
     assert ["1 older upload of yours" in text for _, text in sent] == [False] * MOST_OF_ACCOUNT + [True]
     assert "newer ones took its place" in ann.get(sent[0][0]).text
+    assert fates(ann.get(address).text).keys() == {"notes.txt", "cut.zip"}
 
 
 def test_previews_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """After a while, and the oldest of an account when it has too many; those of others stay."""
     previews, others = Previews(tmp_path), Previews(tmp_path)
-    first, *_ = made = [previews.new("ann's session", "ann") for _ in range(MOST_OF_ACCOUNT)]
-    of_kim = others.new("kim's session", "kim")
-    assert first is not None
-    assert of_kim is not None
-    for one in (*made, of_kim):
-        assert one is not None
-        (one.folder / "found.json").write_text("[]")
+    first, *_ = [waiting(previews, "ann") for _ in range(MOST_OF_ACCOUNT)]
+    of_kim = waiting(others, "kim")
     assert others.get(first.id, "ann's session") is not None
     assert others.get(first.id, "kim's session") is None
-    assert others.new("ann's session", "ann") is not None
+    # what is being read takes no place yet, and of that there are not more either
+    unread = [others.new("ann's session", "ann") for _ in range(MOST_OF_ACCOUNT + 1)]
+    assert [one is not None and one.folder.exists() for one in unread] == [False] + [True] * MOST_OF_ACCOUNT
+    assert previews.get(first.id, "ann's session") is not None
+    assert waiting(others, "ann").dropped == 1
     assert previews.get(first.id, "ann's session") is None
     assert previews.get(of_kim.id, "kim's session") is not None
     later = time.time() + HOLDS_S + 1
@@ -662,20 +676,54 @@ def test_previews_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+def test_what_a_killed_worker_leaves_is_swept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of what it made, read or kept; while others may still be at it, it stays."""
+    previews = Previews(tmp_path)
+    code = (
+        "import sys; from pathlib import Path; from palpate.server.uploading.preview import Preview;"
+        "from palpate.server.uploading.previews import Previews; import os, time;"
+        "folder = Path(sys.argv[1]); ahead = time.time() + float(sys.argv[3]); time.time = lambda: ahead\n"
+        "with Previews(folder).taken(Preview(sys.argv[2], folder / sys.argv[2])): os._exit(9)"
+    )
+    made = waiting(previews, "ann")
+    killed = subprocess.run([sys.executable, "-c", code, str(tmp_path), made.id, str(HOLDS_S / 2)], check=False)
+    assert killed.returncode == 9
+    assert previews.new("kim's session", "kim") is not None
+    (tmp_path / ("x" * 43)).mkdir()
+    (tmp_path / "of somebody else").mkdir()
+    now = time.time()
+    for after_s, left in ((0.9 * HOLDS_S, 4), (1.2 * HOLDS_S, 2), (1.6 * HOLDS_S, 1)):
+        moment = now + after_s
+        monkeypatch.setattr(time, "time", lambda moment=moment: moment)
+        previews.sweep()
+        assert len(list(tmp_path.iterdir())) == left, after_s
+    assert [path.name for path in tmp_path.iterdir()] == ["of somebody else"]
+
+
+def test_too_many_of_others_wait(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Then there is no place, and nothing is dropped for it; who has theirs already may send something else instead."""
+    monkeypatch.setattr("palpate.server.uploading.previews.MOST", MOST_OF_ACCOUNT + 1)
+    previews = Previews(tmp_path)
+    made = [waiting(previews, "ann") for _ in range(MOST_OF_ACCOUNT)] + [waiting(previews, "kim")]
+    assert previews.new("root's session", "root") is None
+    assert previews.new("kim's session", "kim") is None
+    assert all(one.is_read for one in made)
+    assert waiting(previews, "ann").dropped == 1
+    assert [one.is_read for one in made] == [False, True, True, True]
+
+
 def test_what_is_being_kept_is_removed_by_nobody(tmp_path: Path) -> None:
     """Neither by who cancels it, nor for others of the account; it is kept once, and waits again where that failed."""
     previews, others = Previews(tmp_path), Previews(tmp_path)
-    made = previews.new("ann's session", "ann")
-    assert made is not None
-    (made.folder / "found.json").write_text("[]")
+    made = waiting(previews, "ann")
 
     def fail() -> None:
         with previews.taken(made) as mine:
             assert mine is not None
             others.drop(made.id)
             for _ in range(MOST_OF_ACCOUNT + 1):
-                others.new("ann's session", "ann")
-            assert mine.found() == []
+                waiting(others, "ann")
+            assert len(mine.found()) == 1
             with others.taken(made) as second:
                 assert second is None
             raise OSError("the disk is full")

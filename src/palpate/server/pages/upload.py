@@ -25,7 +25,8 @@ from palpate.server.uploading.by_hand import recording_by_hand
 from palpate.server.uploading.fates import TWICE
 from palpate.server.uploading.form_words import words_of
 from palpate.server.uploading.keeping import keep
-from palpate.server.uploading.previews import MOST_OF_ACCOUNT, Preview, holder_of
+from palpate.server.uploading.preview import Preview, holder_of
+from palpate.server.uploading.previews import MOST_OF_ACCOUNT
 from palpate.server.uploading.reading import read
 from palpate.server.uploading.saving import save
 from palpate.server.uploading.showing import shown_episodes, shown_of
@@ -82,6 +83,7 @@ def _read(state: State, who: Account, holder: str, sent: FormData) -> Preview:
     try:
         refused = save(_files(sent), preview.sent, state.settings.largest_unpacked_bytes)
         read(state.store, who, preview, refused)
+        state.previews.admit(preview)
     except BaseException:
         state.previews.drop(preview.id)
         raise

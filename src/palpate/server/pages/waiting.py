@@ -18,7 +18,7 @@ from palpate.server.security.accounts import Account, Role
 from palpate.server.security.who import needs
 from palpate.server.state import state_of
 from palpate.server.uploading.fates import ALL
-from palpate.server.uploading.previews import Preview, holder_of
+from palpate.server.uploading.preview import Preview, holder_of
 from palpate.store.opening import open_store
 from palpate.store.parts import Head, head_of
 from palpate.store.store import Store

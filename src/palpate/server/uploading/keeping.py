@@ -13,7 +13,7 @@ from palpate.server.problems import problem
 from palpate.server.receiving import check_owner
 from palpate.server.security.accounts import Account
 from palpate.server.state import State
-from palpate.server.uploading.previews import Preview
+from palpate.server.uploading.preview import Preview
 from palpate.server.uploading.wishes import Wishes
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.importing.intake import import_paths

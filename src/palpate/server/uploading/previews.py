@@ -6,92 +6,29 @@ What became of one that was kept stays in its folder for as long, so that whiche
 from __future__ import annotations
 
 import asyncio
-import json
 import re
 import secrets
 import shutil
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
-from hashlib import sha256
 from hmac import compare_digest
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
-from fastapi import Request
+from palpate.server.uploading.preview import ABOUT, KEPT, Preview
 
-from palpate.server.security.accounts import Account
-from palpate.server.security.who import COOKIE, SESSION
-
-__all__ = ["MOST_OF_ACCOUNT", "Preview", "Previews", "holder_of"]
+__all__ = ["MOST_OF_ACCOUNT", "Previews"]
 
 ID = re.compile("[A-Za-z0-9_-]{43}")
-ABOUT, TASK, FOUND, KEPT = "about.json", "task.json", "found.json", "kept.json"
+TAKEN = re.compile("kept-[0-9a-f]{16}")
+"""Names of folders of what is being kept just now."""
 HOLDS_S = 3600.0
 SWEPT_EACH_S = 300.0
 MOST_OF_ACCOUNT = 3
 MOST_KEPT_OF_ACCOUNT = 20
 MOST = 100
-
-
-def holder_of(request: Request, who: Account) -> str:
-    """Who may open a preview: an account in the session, or with the token, by which it was made."""
-    given = (request.headers.get("authorization"), request.cookies.get(SESSION), request.cookies.get(COOKIE))
-    return sha256(json.dumps([who.name, *given]).encode("utf-8", "surrogatepass")).hexdigest()
-
-
-@dataclass(frozen=True)
-class Preview:
-    """One upload that waits.
-
-    Attributes
-    ----------
-    id
-        Random, so that nobody guesses it.
-    folder
-        Where all of it is; ``sent`` holds the files.
-    """
-
-    id: str
-    folder: Path
-
-    @property
-    def sent(self) -> Path:
-        """Where the files are, unpacked."""
-        return self.folder / "sent"
-
-    @property
-    def place(self) -> Path:
-        """The store in which the recordings wait."""
-        return self.folder / "store.sqlite"
-
-    @property
-    def blobs(self) -> Path:
-        """The large bytes of that store."""
-        return self.folder / "blobs"
-
-    @property
-    def dropped(self) -> int:
-        """How many older ones of the account were dropped to make room for it."""
-        about = json.loads((self.folder / ABOUT).read_text(encoding="utf-8"))
-        return int(about.get("dropped", 0))
-
-    def found(self) -> list[dict[str, Any]]:
-        """What became of each item when it was read."""
-        plain: list[dict[str, Any]] = json.loads((self.folder / FOUND).read_text(encoding="utf-8"))
-        return plain
-
-    def note_kept(self, outcomes: list[dict[str, Any]]) -> None:
-        """Note what became of each item when it was to be kept."""
-        (self.folder / KEPT).write_text(json.dumps(outcomes), encoding="utf-8")
-
-    def kept(self) -> list[dict[str, Any]]:
-        """What became of each item when it was to be kept."""
-        plain: list[dict[str, Any]] = json.loads((self.folder / KEPT).read_text(encoding="utf-8"))
-        return plain
 
 
 class Previews:
@@ -124,35 +61,51 @@ class Previews:
             self._root = self._own = None
 
     def new(self, holder: str, account: str) -> Preview | None:
-        """Make one; the account's oldest make room, and there is None where too many of others wait."""
+        """Make one that is to be read; None where too many of others wait."""
         self.sweep()
-        waiting = self._all(is_kept=False)
-        oldest = _too_many(waiting, account, MOST_OF_ACCOUNT)
-        for id in (*oldest, *_too_many(self._all(is_kept=True), account, MOST_KEPT_OF_ACCOUNT)):
-            self.drop(id)
-        if len(waiting) >= MOST:
+        there = [one for one in self._all() if not one.is_kept]
+        own = [one for one in there if _account(one) == account]
+        if len(there) >= MOST and len(own) < MOST_OF_ACCOUNT:
             return None
+        # those that were read make room when there is something to keep in this one
+        self._make_room(one for one in own if not one.is_read)
         made = Preview(secrets.token_urlsafe(32), Path())
         made = Preview(made.id, self.root / made.id)
         made.sent.mkdir(parents=True, mode=0o700)
-        about = {"holder": holder, "account": account, "expires": time.time() + HOLDS_S, "dropped": len(oldest)}
-        (made.folder / ABOUT).write_text(json.dumps(about), encoding="utf-8")
+        made.note(holder=holder, account=account, expires=time.time() + HOLDS_S)
         return made
+
+    def admit(self, preview: Preview) -> None:
+        """Let one that was read wait: the account's oldest make room.
+
+        Where nothing of it can be kept it takes no place, and what became of it is told as of one that was kept.
+        """
+        own = [one for one in self._all() if _account(one) == _account(preview) and one.id != preview.id]
+        found = preview.found()
+        if any(one["digest"] is not None or one["episode"] is not None for one in found):
+            waiting = (one for one in own if one.is_read and not one.is_kept)
+            preview.note(dropped=self._make_room(waiting))
+            return
+        self._make_room((one for one in own if one.is_kept), MOST_KEPT_OF_ACCOUNT)
+        preview.note_kept(found)
+        _empty(preview)
 
     def get(self, id: str, holder: str) -> Preview | None:
         """The one of an id that was read, where it waits and is theirs."""
-        return self._of(id, holder, FOUND)
+        found = self._of(id, holder)
+        return found if found is not None and found.is_read else None
 
     def get_kept(self, id: str, holder: str) -> Preview | None:
         """The one of an id that was kept a while ago, where it is theirs; only what became of it is left."""
-        return self._of(id, holder, KEPT)
+        found = self._of(id, holder)
+        return found if found is not None and found.is_kept else None
 
-    def _of(self, id: str, holder: str, needed: str) -> Preview | None:
-        about = self._about(id) if ID.fullmatch(id) else None
+    def _of(self, id: str, holder: str) -> Preview | None:
+        found = Preview(id, self.root / id) if ID.fullmatch(id) else None
+        about = None if found is None else found.about()
         if about is None or about["expires"] < time.time() or not compare_digest(about["holder"], holder):
             return None
-        found = Preview(id, self.root / id)
-        return found if (found.folder / needed).is_file() else None
+        return found
 
     @contextmanager
     def taken(self, preview: Preview) -> Iterator[Preview | None]:
@@ -167,7 +120,14 @@ class Previews:
         except FileNotFoundError:
             yield None
             return
+        if not aside.is_read:
+            # somebody else has kept it since it was looked for
+            aside.folder.rename(preview.folder)
+            yield None
+            return
         try:
+            # where this worker is killed meanwhile, others sweep it when that time is over
+            aside.note(expires=time.time() + HOLDS_S)
             yield aside
         except BaseException:
             aside.folder.rename(preview.folder)
@@ -175,17 +135,13 @@ class Previews:
         self._settle(aside, preview)
 
     def _settle(self, aside: Preview, preview: Preview) -> None:
-        if not (aside.folder / KEPT).is_file():
+        if not aside.is_kept:
             shutil.rmtree(aside.folder, ignore_errors=True)
             return
-        for path in aside.folder.iterdir():
-            if path.is_dir():
-                shutil.rmtree(path, ignore_errors=True)
-            elif path.name not in (ABOUT, KEPT):
-                path.unlink()
-        about = json.loads((aside.folder / ABOUT).read_text(encoding="utf-8"))
-        about["expires"] = time.time() + HOLDS_S
-        (aside.folder / ABOUT).write_text(json.dumps(about), encoding="utf-8")
+        _empty(aside)
+        own = (one for one in self._all() if one.is_kept and _account(one) == _account(aside))
+        self._make_room(own, MOST_KEPT_OF_ACCOUNT)
+        aside.note(expires=time.time() + HOLDS_S)
         aside.folder.rename(preview.folder)
 
     def drop(self, id: str) -> None:
@@ -193,11 +149,11 @@ class Previews:
         shutil.rmtree(self.root / id, ignore_errors=True)
 
     def sweep(self) -> None:
-        """Remove all whose time is over."""
-        now = time.time()
-        for id, about in self._all().items():
-            if about["expires"] < now:
-                self.drop(id)
+        """Remove all whose time is over, also those of a worker that was killed while it made, read or kept them."""
+        for path in [] if self._root is None else list(self.root.iterdir()):
+            is_one = ID.fullmatch(path.name) or TAKEN.fullmatch(path.name)
+            if is_one and _ends_at(Preview(path.name, path)) < time.time():
+                shutil.rmtree(path, ignore_errors=True)
 
     async def watch(self) -> None:
         """Sweep now and then."""
@@ -205,28 +161,42 @@ class Previews:
             await asyncio.sleep(SWEPT_EACH_S)
             await asyncio.to_thread(self.sweep)
 
-    def _all(self, *, is_kept: bool | None = None) -> dict[str, dict[str, Any]]:
-        """What is told of each; of those alone that wait, or that were kept, where that is asked."""
+    def _all(self) -> list[Preview]:
+        """Each that nobody is keeping just now."""
         if self._root is None:
-            return {}
-        names = [
-            path.name
-            for path in self.root.iterdir()
-            if ID.fullmatch(path.name) and is_kept in (None, (path / KEPT).is_file())
-        ]
-        told = {name: self._about(name) for name in names}
-        return {name: about for name, about in told.items() if about is not None}
+            return []
+        found = (Preview(path.name, path) for path in self.root.iterdir() if ID.fullmatch(path.name))
+        return [one for one in found if one.about() is not None]
 
-    def _about(self, id: str) -> dict[str, Any] | None:
-        try:
-            about: dict[str, Any] = json.loads((self.root / id / ABOUT).read_text(encoding="utf-8"))
-        except (FileNotFoundError, ValueError):
-            # it was removed, or is being made, by another worker
-            return None
-        return about
+    def _make_room(self, of_account: Iterable[Preview], most: int = MOST_OF_ACCOUNT) -> int:
+        """Remove the oldest of an account, without which there is room for one more; how many these are."""
+        oldest = sorted((_ends_at(one), one.id) for one in of_account)
+        dropped = oldest[: max(0, len(oldest) - most + 1)]
+        for _, id in dropped:
+            self.drop(id)
+        return len(dropped)
 
 
-def _too_many(told: dict[str, dict[str, Any]], account: str, most: int) -> list[str]:
-    """The oldest of an account, without which there is room for one more."""
-    own = sorted((about["expires"], id) for id, about in told.items() if about["account"] == account)
-    return [id for _, id in own[: max(0, len(own) - most + 1)]]
+def _account(preview: Preview) -> str | None:
+    return (preview.about() or {}).get("account")
+
+
+def _ends_at(preview: Preview) -> float:
+    """When its time is over; of one that does not tell, it is counted from when its folder was last written."""
+    about = preview.about()
+    if about is not None:
+        return float(about["expires"])
+    try:
+        return preview.folder.stat().st_mtime + HOLDS_S
+    except FileNotFoundError:
+        # another worker has just removed it
+        return 0.0
+
+
+def _empty(preview: Preview) -> None:
+    """Leave nothing but the notes on whose it is and what became of it."""
+    for path in preview.folder.iterdir():
+        if path.is_dir():
+            shutil.rmtree(path, ignore_errors=True)
+        elif path.name not in (ABOUT, KEPT):
+            path.unlink()

@@ -19,7 +19,7 @@ from palpate.server.receiving import check_owner
 from palpate.server.security.accounts import Account, Role
 from palpate.server.uploading.archives import EpisodeOutcome, more_of
 from palpate.server.uploading.limits import limit_process
-from palpate.server.uploading.previews import FOUND, TASK, Preview
+from palpate.server.uploading.preview import FOUND, TASK, Preview
 from palpate.store.errors import StoreError
 from palpate.store.importing import squeezes
 from palpate.store.importing.bags import format

@@ -12,7 +12,7 @@ import threading
 from palpate.server.problems import problem
 from palpate.server.security.accounts import Account
 from palpate.server.uploading.limits import LONGEST_S
-from palpate.server.uploading.previews import TASK, Preview
+from palpate.server.uploading.preview import TASK, Preview
 from palpate.store.importing.items import Fate
 from palpate.store.store import Store
 from palpate.store.units import units_of

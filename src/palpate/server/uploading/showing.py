@@ -12,7 +12,7 @@ from palpate.server.pages.allowance import Allowance
 from palpate.server.security.accounts import Account
 from palpate.server.uploading.drawing import Drawn, drawn
 from palpate.server.uploading.fates import ALL, Coming, coming, fate_of_exploration
-from palpate.server.uploading.previews import Preview
+from palpate.server.uploading.preview import Preview
 from palpate.store.importing.items import Fate
 from palpate.store.opening import open_store
 from palpate.store.parts import Head, head_of
