@@ -20,6 +20,7 @@ from palpate.server.security.sites import form_of
 from palpate.server.security.tokens import issue, number_of, tokens
 from palpate.server.security.who import SESSION, needs
 from palpate.server.state import state_of
+from palpate.server.typed_entries import typed_number
 from palpate.store.errors import StoreError, UnavailableError
 
 __all__ = ["router"]
@@ -153,10 +154,7 @@ def _one_of(fields: Fields, *acts: str) -> str:
 
 
 def _days(fields: Fields) -> float:
-    try:
-        found = float(fields.get("days", ""))
-    except ValueError:
-        raise StoreError(f"days: found {fields.get('days', '')[:40]!r}, expected a number") from None
+    found = typed_number("days", fields.get("days", ""))
     if not SESSION_DAYS < found <= 36_500:
         raise StoreError(f"days: found {found:g}, expected more than {SESSION_DAYS:g} and 36500 at most")
     return found

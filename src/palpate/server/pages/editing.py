@@ -16,8 +16,8 @@ from palpate.server.problems import ProblemError, problem
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.sites import form_of
 from palpate.server.security.who import needs
+from palpate.server.typed_entries import typed_entry
 from palpate.store.changing_seen import version_of
-from palpate.store.entries import Distribution, Entry, Value
 from palpate.store.errors import StoreError, UnavailableError
 
 __all__ = ["router"]
@@ -86,30 +86,7 @@ def _describe(corrections: Corrections, fields: Fields) -> None:
 
 
 def _know(corrections: Corrections, fields: Fields) -> None:
-    corrections.know(_entry(fields), fields.get("source", ""))
-
-
-def _entry(fields: Fields) -> Entry:
-    """A number, or a label where there is neither a unit nor a number."""
-    name, value, unit = (fields.get(key, "") for key in ("property", "value", "unit"))
-    if not unit and not _is_number(value):
-        return Distribution(name, {value: 1.0})
-    return Value(name, _number("value", value), _number("sd", fields["sd"]) if fields.get("sd") else None, unit or None)
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
-
-
-def _number(where: str, text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise StoreError(f"{where}: found {text[:40]!r}, expected a number as there is a unit") from None
+    corrections.know(typed_entry(fields), fields.get("source", ""))
 
 
 def _forget(corrections: Corrections, fields: Fields) -> None:

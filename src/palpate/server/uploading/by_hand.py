@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from datetime import UTC, datetime
-from math import isfinite, nan
 from typing import Any
 
 from palpate.server.security.accounts import Account
+from palpate.server.typed_entries import typed_entry
 from palpate.store.checks import check
-from palpate.store.entries import Distribution, Entry, Value
 from palpate.store.errors import StoreError
 from palpate.store.importing.items import identified
 from palpate.store.records import Device, Recording, Setup, ThingRef
@@ -45,7 +44,7 @@ def recording_by_hand(fields: Mapping[str, str], who: Account) -> Recording:
         licence=fields.get("licence") or None,
         visibility=fields.get("visibility") or "private",
         ground_truth=fields.get("ground_truth") == "yes",
-        entries=(_entry(fields),),
+        entries=(typed_entry(fields),),
         notices=("this was typed into a form, and there is no signal behind it",),
     )
     # what is no finite number has no digest, and without one there is no id
@@ -68,28 +67,3 @@ def _moment(text: str) -> datetime:
     except ValueError:
         raise StoreError(f"when: found {text[:40]!r}, expected a day and a time such as 2024-05-01T12:00") from None
     return found.replace(tzinfo=UTC) if found.tzinfo is None else found.astimezone(UTC)
-
-
-def _entry(fields: Mapping[str, str]) -> Entry:
-    """A number, or a label where there is neither a unit nor a number."""
-    name, value, unit = (fields.get(key, "") for key in ("property", "value", "unit"))
-    try:
-        number = float(value)
-    except ValueError:
-        if unit or not value:
-            raise StoreError(f"value: found {value[:40]!r}, expected a number, or a label without a unit") from None
-        return Distribution(name, {value: 1.0})
-    if not isfinite(number):
-        # an id is made of it before the store looks at it
-        raise StoreError(f"value: found {value[:40]!r}, expected a finite number")
-    return Value(name, number, _sd(fields.get("sd", "")), unit or None)
-
-
-def _sd(text: str) -> float | None:
-    try:
-        sd = float(text) if text else None
-    except ValueError:
-        sd = nan
-    if sd is not None and not isfinite(sd):
-        raise StoreError(f"sd: found {text[:40]!r}, expected a number or nothing")
-    return sd
