@@ -1,14 +1,17 @@
 import json
 import os
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import pytest
 
 from palpate.cli import import_view
 from palpate.store.archive import export_archive
 from palpate.store.importing.items import Fate, Outcome
+from palpate.store.importing.package import pack
 from palpate.store.importing.report import Report
 from palpate.store.opening import open_store
 from tests.store.importing.bags.made import HEAD, ns, write_mcap
@@ -50,6 +53,26 @@ def test_an_import_tells_what_became_of_everything(run: Any, given: Path) -> Non
     assert counts == "4 new, 0 there already, 1 refused, 1 skipped"
     assert second.out.splitlines()[-1] == "0 new, 4 there already, 1 refused, 1 skipped"
     assert run("store", "import", given / "archive").code == 0
+
+
+def test_a_zip_file_is_imported_as_the_folder_that_it_is_of(run: Any, given: Path, tmp_path: Path) -> None:
+    """What a server takes packed the command takes too; a zip file of which nothing came was meant all the same."""
+    package = tmp_path / "session.zip"
+    with package.open("xb") as opened:
+        pack(squeeze(7), opened)
+    run("store", "object", "add", "our/mug")
+    done = run("store", "import", package)
+    assert (done.code, done.out, done.err) == (0, "1 new, 0 there already, 0 refused, 0 skipped\n", "")
+    shutil.make_archive(str(tmp_path / "given"), "zip", given)
+    done = run("store", "import", tmp_path / "given.zip")
+    *_, refused, skipped, counts = done.out.splitlines()
+    assert refused.startswith(f"refused: {tmp_path}/given.zip/upload_dict")
+    assert skipped == f"skipped: {tmp_path}/given.zip/notes.txt: of no format that palpate knows"
+    assert (done.code, counts) == (1, "4 new, 0 there already, 1 refused, 1 skipped")
+    with ZipFile(tmp_path / "notes.zip", "w") as made:
+        made.writestr("notes.txt", "hello")
+    done = run("store", "import", tmp_path / "notes.zip")
+    assert (done.code, "nothing came of " in done.err) == (1, True)
 
 
 def test_a_report_is_written(run: Any, given: Path, tmp_path: Path) -> None:
@@ -115,8 +138,8 @@ def test_a_broken_off_import_says_what_stays(
 
     whole = intake.import_paths
 
-    def broken(*arguments: Any) -> Iterator[Outcome]:
-        outcomes = whole(*arguments)
+    def broken(*arguments: Any, **more: Any) -> Iterator[Outcome]:
+        outcomes = whole(*arguments, **more)
         yield next(outcomes)
         yield next(outcomes)
         raise error

@@ -10,6 +10,7 @@ from palpate.store.importing.items import Fate, HoldsMore
 
 if TYPE_CHECKING:
     from palpate.store.importing.items import Format, Outcome
+    from palpate.store.importing.zips import Zips
 
 __all__ = ["Fruitless"]
 
@@ -48,12 +49,14 @@ class Fruitless:
             for path in (Path(place), *Path(place).parents) if place else ():
                 self._left.pop(str(path), None)
 
-    def without_more(self, formats: Sequence[Format]) -> list[Path]:
+    def without_more(self, formats: Sequence[Format], zips: Zips) -> list[Path]:
         """Those that are left and do not hold anything but recordings either, as an archive of objects does."""
         from palpate.store.importing.finding import Found, find
 
         return [
             path
             for path in self.paths
-            if not any(isinstance(one, Found) and isinstance(one.format, HoldsMore) for one in find([path], formats))
+            if not any(
+                isinstance(one, Found) and isinstance(one.format, HoldsMore) for one in find([path], formats, zips)
+            )
         ]

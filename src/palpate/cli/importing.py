@@ -16,6 +16,7 @@ from palpate.errors import PalpateError
 if TYPE_CHECKING:
     from palpate.store.importing.items import Format
     from palpate.store.importing.report import Report
+    from palpate.store.importing.zips import Zips
     from palpate.store.store import Store
 
 __all__ = ["check_paths", "formats_of", "import_shown"]
@@ -57,20 +58,25 @@ def import_shown(
     """
     from palpate.store.importing.items import Fate
     from palpate.store.importing.report import Report
+    from palpate.store.importing.zips import Zips
 
     report, fruitless = Report(), Fruitless(paths)
-    try:
-        _import(store, paths, formats, report, fruitless, verbose=verbose)
-        report.complete = True
-    finally:
-        if not report.complete:
-            told = f"broken off after {counts_line(report)}: what is new stays, and the same command goes on from there"
-            print(told, file=sys.stderr)
-        if report_file is not None:
-            report_file.write_text(json.dumps(report.plain(), indent=1) + "\n", encoding="utf-8")
-    for line in report_lines(report):
-        console().out(line)
-    left = fruitless.without_more(formats)
+    with Zips() as zips:
+        try:
+            _import(store, paths, formats, zips, report, fruitless, verbose=verbose)
+            report.complete = True
+        finally:
+            if not report.complete:
+                counts = counts_line(report)
+                print(
+                    f"broken off after {counts}: what is new stays, and the same command goes on from there",
+                    file=sys.stderr,
+                )
+            if report_file is not None:
+                report_file.write_text(json.dumps(report.plain(), indent=1) + "\n", encoding="utf-8")
+        for line in report_lines(report):
+            console().out(line)
+        left = fruitless.without_more(formats, zips)
     if left:
         more = f" and {len(left) - 1} more of the paths" if len(left) > 1 else ""
         print(f"palpate: nothing came of {left[0]}{more}, expected what can be imported", file=sys.stderr)
@@ -81,6 +87,7 @@ def _import(
     store: Store,
     paths: Sequence[Path],
     formats: Sequence[Format],
+    zips: Zips,
     report: Report,
     fruitless: Fruitless,
     *,
@@ -89,8 +96,8 @@ def _import(
     from palpate.store.importing.finding import count_items
     from palpate.store.importing.intake import import_paths
 
-    with bar(lambda: count_items(paths, formats)) as step:
-        for outcome in import_paths(store, paths, formats):
+    with bar(lambda: count_items(paths, formats, zips)) as step:
+        for outcome in import_paths(store, paths, formats, zips=zips):
             report.add(outcome)
             fruitless.strike(outcome)
             step()

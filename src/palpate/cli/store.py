@@ -103,7 +103,9 @@ app.command("export")(export)
 @spread
 def import_(
     place: Place,
-    paths: Annotated[list[Path] | None, typer.Argument(metavar="[PATH]...", help="Files, or folders of them.")] = None,
+    paths: Annotated[
+        list[Path] | None, typer.Argument(metavar="[PATH]...", help="Files, or folders of them, also as zip files.")
+    ] = None,
     example: Annotated[bool, typer.Option("--example", help="Import the example that the package ships.")] = False,
     columns: Annotated[
         Path | None, typer.Option(help="What the columns of CSV files mean, in TOML; without it they are skipped.")

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from palpate.errors import PalpateError
-from palpate.store.errors import UnavailableError
+from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.importing.items import Fate, Format, HoldsMore, Item, Outcome, StatesUnits
+from palpate.store.importing.zips import Zips
 from palpate.store.store import Store
 from palpate.store.units import admit_units
 
@@ -66,8 +67,13 @@ class Found:
         return Outcome(str(self.path), Fate.REFUSED, told(error, self.path))
 
 
-def find(paths: Iterable[Path], formats: Sequence[Format]) -> Iterator[Found | Outcome]:
+def find(paths: Iterable[Path], formats: Sequence[Format], zips: Zips | None = None) -> Iterator[Found | Outcome]:
     """Look at files and folders, and into folders that are of no format themselves.
+
+    Parameters
+    ----------
+    zips
+        Unpacks zip files, which are looked into as folders are; without it they are as other files.
 
     Yields
     ------
@@ -79,9 +85,10 @@ def find(paths: Iterable[Path], formats: Sequence[Format]) -> Iterator[Found | O
     while waiting:
         path = waiting.pop()
         try:
+            path = path if zips is None or not zips.owns(path) else zips.unpacked(path)
             owner = next((each for each in formats if each.owns(path)), None)
             inner = sorted(path.iterdir()) if owner is None and path.is_dir() else None
-        except OSError as error:
+        except (OSError, StoreError) as error:
             yield Outcome(str(path), Fate.REFUSED, told(error, path))
             continue
         if owner is not None:
@@ -93,9 +100,9 @@ def find(paths: Iterable[Path], formats: Sequence[Format]) -> Iterator[Found | O
             waiting += [one for one in reversed(inner) if not one.is_symlink()]
 
 
-def count_items(paths: Iterable[Path], formats: Sequence[Format]) -> int:
+def count_items(paths: Iterable[Path], formats: Sequence[Format], zips: Zips | None = None) -> int:
     """How many outcomes an import of these paths will have."""
-    return sum(one.count() if isinstance(one, Found) else 1 for one in find(paths, formats))
+    return sum(one.count() if isinstance(one, Found) else 1 for one in find(paths, formats, zips))
 
 
 def told(error: Exception, source: Path | str) -> str:

@@ -13,6 +13,7 @@ from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.importing.finding import Found, find, told
 from palpate.store.importing.items import Fate, Format, Item, Outcome
 from palpate.store.importing.presence import Presence
+from palpate.store.importing.zips import Zips
 from palpate.store.records import FileItem, Recording
 from palpate.store.store import Store
 
@@ -35,7 +36,12 @@ class Read:
 
 
 def import_paths(
-    store: Store, paths: Iterable[Path], formats: Sequence[Format], *, uploader: str | None = None
+    store: Store,
+    paths: Iterable[Path],
+    formats: Sequence[Format],
+    *,
+    uploader: str | None = None,
+    zips: Zips | None = None,
 ) -> Iterator[Outcome]:
     """Put the recordings in files and folders into a store, and tell what became of each once it is committed.
 
@@ -52,6 +58,8 @@ def import_paths(
         Which are looked for; the first that owns a path reads it.
     uploader
         The account that has sent them, where one did.
+    zips
+        Unpacks what is packed; without it zip files are skipped.
 
     Yields
     ------
@@ -63,13 +71,18 @@ def import_paths(
     UnavailableError
         If the store cannot be used any more. What is wrong with a file or recording is told in its outcome.
     """
+    outcomes = _import(store, find(paths, formats, zips), uploader)
+    return outcomes if zips is None else map(zips.named, outcomes)
+
+
+def _import(store: Store, found: Iterable[Found | Outcome], uploader: str | None) -> Iterator[Outcome]:
     unknown, whole = list[Outcome](), list[Found]()
     used: set[str] = set()
-    for outcome in import_items(store, _items(store, find(paths, formats), unknown, whole), uploader):
+    for outcome in import_items(store, _items(store, found, unknown, whole), uploader):
         used.update(_files_beside(outcome))
         yield outcome
-    for found in whole:
-        yield from found.put_more(store)
+    for one in whole:
+        yield from one.put_more(store)
     # a picture that lies beside the file that names it belongs to that one
     yield from (outcome for outcome in unknown if outcome.source not in used)
 
