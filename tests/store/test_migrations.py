@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from uuid import UUID
 import pytest
 from alembic.script import ScriptDirectory
 from sqlalchemy import Engine, inspect
+from sqlalchemy.engine.interfaces import ReflectedForeignKeyConstraint
 
 from palpate.cli import main
 from palpate.server.security.accounts import Role, add_user
@@ -28,11 +30,14 @@ from palpate.store.keeping_episodes import put_episode
 from palpate.store.listing import list_recordings
 from palpate.store.listing_episodes import list_episodes
 from palpate.store.opening import open_store
+from palpate.store.records import ThingRef
 from palpate.store.rows import microseconds
 from palpate.store.store import Store
 from palpate.store.things import list_things
 from palpate.store.undoing import undo
 from palpate.store.verifying import verify
+from palpate.store.viewing import Viewer
+from palpate.store.visible_things import ThingFilter, list_visible_things
 from tests.store.made_up import made_episode, squeeze
 from tests.store.places import check_services, emptied
 from tests.store.versions.filled import Filled, filled, rows_of, versions
@@ -133,10 +138,16 @@ def described(engine: Engine) -> dict[str, object]:
         seen = inspect(connection)
         for table in sorted(set(seen.get_table_names()) - {"alembic_version"}):
             columns = {one["name"]: (str(one["type"]), one["nullable"]) for one in seen.get_columns(table)}
-            lists = (seen.get_indexes(table), seen.get_unique_constraints(table), seen.get_foreign_keys(table))
+            foreign = [_named(engine, one) for one in seen.get_foreign_keys(table)]
+            lists = (seen.get_indexes(table), seen.get_unique_constraints(table), foreign)
             keys = [sorted(map(_plain, some)) for some in lists]
             found[table] = columns, keys, seen.get_pk_constraint(table)
     return found
+
+
+def _named(engine: Engine, key: ReflectedForeignKeyConstraint) -> object:
+    """A foreign key; of one that was added with its column SQLite does not tell the name."""
+    return {**key, "name": None} if engine.name == "sqlite" else key
 
 
 def _plain(key: object) -> str:
@@ -258,6 +269,47 @@ def test_episodes_are_filled_from_their_documents(place: str, engine: Engine, tm
     with open_store(place, tmp_path / "blobs") as store:
         (listed,) = (one for one in list_episodes(store).rows if one.id == whole.id)
         assert (listed.owner, listed.actions, listed.stop, listed.visibility) == ("ann", 2, "enough", "private")
+
+
+SAID = ("thing_id", "digest", "maker", "common_name", "aliases")
+BOX = ThingRef("lab", "box")
+
+
+def test_descriptions_are_filled_from_words(place: str, engine: Engine, tmp_path: Path) -> None:
+    """A store of before knows what each of its recordings says of its object, as one that is filled today does."""
+    fill(engine, tmp_path / "blobs", "0006")
+    with open_store(place, tmp_path / "blobs") as store:
+        hidden = replace(BOX, common_name="Big\nBox", maker="Acme", aliases=("case",))
+        store.put(squeeze(1000, thing=BOX, visibility="public", notices=("case",)))
+        store.put_many([squeeze(1001, thing=hidden), squeeze(1002, thing=replace(BOX, aliases=("case", "Pot")))])
+        store.put(squeeze(1003, thing=replace(BOX, maker="Acme"), visibility="public"))
+    before = described_in(engine)
+    migrate(engine, "0006")
+    with open_store(place, tmp_path / "blobs") as store:
+        assert described_in(engine) == before
+        (box,) = list_visible_things(store, Viewer(), ThingFilter(text="acme box lab")).rows
+        assert (box.ref, box.recordings) == (replace(BOX, maker="Acme"), 2)
+        assert not list_visible_things(store, Viewer(), ThingFilter(text="case box")).rows
+        mugs = list_visible_things(store, Viewer(), ThingFilter(text="Häf cup")).rows
+    assert len(mugs) == len([version for version in versions() if version <= "0006"])
+
+
+def described_in(engine: Engine) -> list[list[str]]:
+    """What is said of objects, and by which recordings."""
+    tables = {"descriptions": list(SAID), "recordings": ["uuid", "description_id"]}
+    with engine.connect() as connection:
+        return [plain(rows_of(connection, table, columns)) for table, columns in tables.items()]
+
+
+def test_words_that_are_damaged_say_nothing(place: str, engine: Engine, tmp_path: Path) -> None:
+    """What a recording says of its object, and what else, cannot be told apart then: nobody learns it by a search."""
+    fill(engine, tmp_path / "blobs", "0006")
+    with engine.begin() as connection:
+        connection.exec_driver_sql("UPDATE recordings SET document = '{', visibility = 'public'")
+        connection.exec_driver_sql("UPDATE things SET aliases = '['")
+    up_to_date(engine)
+    with engine.connect() as connection:
+        assert rows_of(connection, "descriptions", ["*"]) == []
 
 
 @pytest.mark.parametrize("version", REVISIONS)

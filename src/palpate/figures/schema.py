@@ -20,7 +20,7 @@ __all__ = ["draw_schema", "fingerprint"]
 
 PLACES = (
     ("thing_properties", "thing_images", "audit", "properties"),
-    ("things", "episodes", "users"),
+    ("things", "descriptions", "episodes", "users"),
     ("recordings", "episode_steps", "senders", "tokens"),
     ("series", "files", "entries"),
     ("layouts", "setups", "setup_devices", "devices"),

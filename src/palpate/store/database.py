@@ -35,7 +35,7 @@ __all__ = [
     "writing",
 ]
 
-LATEST = "0006"
+LATEST = "0007"
 MIGRATIONS = Path(__file__).parent / "migrations"
 WAIT_S = 30
 PAGE_BYTES = 16384

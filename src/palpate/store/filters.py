@@ -168,13 +168,13 @@ class Cursor:
 def things_named(
     name: str | None, dataset: str | None, known: Callable[[str], ColumnElement[bool]] | None = None
 ) -> Select[tuple[int]]:
-    """Rows of objects by name and dataset, with those merged into them; `known`: that one may be known by a name."""
+    """Rows of objects by name and dataset, with those merged into them; `known`: that one is known by a name."""
     things = schema.things
     asked = select(things.c.id)
     if dataset is not None:
         asked = asked.where(things.c.dataset == dataset)
     if name is not None:
-        asked = asked.where(called(name) if known is None else called(name) & known(name))
+        asked = asked.where(called(name) if known is None else known(name))
     return select(things.c.id).where(or_(things.c.id.in_(asked), things.c.merged_into.in_(asked)))
 
 

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from sqlalchemy import Boolean, ColumnElement, String, bindparam, literal
+from sqlalchemy import Boolean, ColumnElement, String, TableValuedAlias, bindparam, column
 from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.compiler import SQLCompiler
 from sqlalchemy.sql.functions import FunctionElement
 
-__all__ = ["Holds", "HoldsText", "holds_line"]
-
-END = literal("\n")
-"""Of a line."""
+__all__ = ["Holds", "HoldsText", "JsonText", "each_text"]
 
 
 class Holds(FunctionElement[bool]):
@@ -43,8 +40,8 @@ class HoldsText(FunctionElement[bool]):
     type = Boolean()
     inherit_cache = True
 
-    def __init__(self, column: ColumnElement[str], text: str) -> None:
-        super().__init__(column, bindparam(None, text, type_=String()))
+    def __init__(self, column: ColumnElement[str], text: str | ColumnElement[str]) -> None:
+        super().__init__(column, bindparam(None, text, type_=String()) if isinstance(text, str) else text)
 
 
 @compiles(HoldsText, "sqlite")
@@ -59,6 +56,46 @@ def _postgresql(element: HoldsText, compiler: SQLCompiler, **options: Any) -> st
     return f"(CAST({column} AS jsonb) ? {text})"
 
 
-def holds_line(column: ColumnElement[str], line: ColumnElement[str]) -> ColumnElement[bool]:
-    """Whether one of the lines of a text is this one, letter by letter."""
-    return Holds(END + column + END, END + line + END)
+class JsonText(FunctionElement[str]):
+    """A text as JSON, letter by letter as `palpate.store.content.to_json` writes it."""
+
+    type = String()
+    inherit_cache = True
+
+    def __init__(self, text: ColumnElement[str]) -> None:
+        super().__init__(text)
+
+
+@compiles(JsonText, "sqlite")
+def _sqlite_json(element: JsonText, compiler: SQLCompiler, **options: Any) -> str:
+    (text,) = (compiler.process(one, **options) for one in element.clauses)
+    return f"json_quote({text})"
+
+
+@compiles(JsonText, "postgresql")
+def _postgresql_json(element: JsonText, compiler: SQLCompiler, **options: Any) -> str:
+    (text,) = (compiler.process(one, **options) for one in element.clauses)
+    return f"CAST(to_json(CAST({text} AS text)) AS text)"
+
+
+class _EachText(FunctionElement[str]):
+    type = String()
+    name = "each_text"
+    inherit_cache = True
+
+
+@compiles(_EachText, "sqlite")
+def _sqlite_each(element: _EachText, compiler: SQLCompiler, **options: Any) -> str:
+    (column,) = (compiler.process(one, **options) for one in element.clauses)
+    return f"json_each({column})"
+
+
+@compiles(_EachText, "postgresql")
+def _postgresql_each(element: _EachText, compiler: SQLCompiler, **options: Any) -> str:
+    (column,) = (compiler.process(one, **options) for one in element.clauses)
+    return f"jsonb_array_elements_text(CAST({column} AS jsonb))"
+
+
+def each_text(texts: ColumnElement[str]) -> TableValuedAlias:
+    """The texts of a list, as rows of one column, ``value``."""
+    return _EachText(texts).table_valued(column("value", String()))

@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime
+from functools import partial
 from typing import Any
 from uuid import UUID
 
@@ -16,6 +17,7 @@ from palpate.store.embargo import embargo_of
 from palpate.store.filters import Cursor, Sort, moment_us, things_named
 from palpate.store.legible import reading
 from palpate.store.rows import moment_at
+from palpate.store.sayings import knows_name
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
 from palpate.store.visible_words import seen_names
@@ -112,7 +114,9 @@ def _conditions(
 ) -> Iterator[ColumnElement[bool]]:
     columns = schema.episodes.c
     if thing is not None or dataset is not None:
-        yield columns.thing_id.in_(things_named(thing, dataset, None if viewer is None else viewer.knows_name))
+        yield columns.thing_id.in_(
+            things_named(thing, dataset, None if viewer is None else partial(knows_name, viewer))
+        )
     if since is not None:
         yield columns.started_us >= moment_us("since", since)
     if until is not None:

@@ -67,6 +67,12 @@ class Registry:
         """The row of an object; a description that says more than the one there completes it."""
         return self.remembered.get(_thing_key(thing)) or self._new_thing(thing)
 
+    def description(self, thing: ThingRef) -> int | None:
+        """The row of what a recording says of its object; None where that is its dataset and its name only."""
+        if not said_of(thing):
+            return None
+        return self.remembered.get(_description_key(thing)) or self._new_description(thing)
+
     def admit_units(self, recording: Recording, known: MutableMapping[str, str], *, is_known_wrong: bool) -> None:
         """Refuse units of another dimension than their property has; those of new properties decide theirs.
 
@@ -100,6 +106,9 @@ class Registry:
     def _new_thing(self, thing: ThingRef) -> int:
         raise NotRememberedError
 
+    def _new_description(self, thing: ThingRef) -> int:
+        raise NotRememberedError
+
     def admit_unit(self, where: str, name: str, unit: str) -> None:
         """Refuse a unit of another dimension than a property was first given in; StoreError begins with `where`."""
         raise NotRememberedError
@@ -130,6 +139,9 @@ class Lookup(Registry):
 
     def _new_thing(self, thing: ThingRef) -> int:
         return self._kept(_thing_key(thing), self._make_thing(thing))
+
+    def _new_description(self, thing: ThingRef) -> int:
+        return self._kept(_description_key(thing), self._make_description(thing))
 
     def _kept(self, key: Key, row: int) -> int:
         self.found[key] = row
@@ -191,6 +203,28 @@ class Lookup(Registry):
             row = {"at_us": now_us(), "what": "described otherwise", "thing_id": found["id"]}
             self.connection.execute(insert(schema.audit).values(**row, detail=to_json(contradicted)))
         return int(found["id"])
+
+    def _make_description(self, thing: ThingRef) -> int:
+        table, row = schema.descriptions, {"thing_id": self.thing(thing), **description_row(thing)}
+        same = (table.c[name] == row[name] for name in ("thing_id", "digest"))
+        found: int | None = self.connection.execute(select(table.c.id).where(*same)).scalar()
+        return found or self._insert(table, row)
+
+
+def said_of(thing: ThingRef) -> list[str]:
+    """What else than its name in a data set an object is called, and its maker."""
+    return [text for text in (thing.common_name, *thing.aliases, thing.maker) if text]
+
+
+def description_row(thing: ThingRef) -> dict[str, Any]:
+    """What `schema.descriptions` holds of what a recording says of its object."""
+    said = {name: value for name, value in thing_row(thing).items() if name != "attributes"}
+    words = "\n".join(said_of(thing)).casefold()
+    return {**said, "digest": sha256(to_json(said).encode()).digest(), "words": words}
+
+
+def _description_key(thing: ThingRef) -> Key:
+    return _key("description", repr((thing.dataset, thing.id, thing.maker, thing.common_name, tuple(thing.aliases))))
 
 
 def _thing_key(thing: ThingRef) -> Key:

@@ -84,6 +84,7 @@ class Prepared:
             "seal": seal_of(bytes.fromhex(recording.digest), recording.document),
             "uploaded_by": self.uploader,
             "embargoed_us": None if recording.embargoed_until is None else microseconds(recording.embargoed_until),
+            "description_id": shared.description(recording.thing),
         }
 
     def series_rows(self, row: int, shared: Registry) -> Iterator[Row]:

@@ -14,6 +14,7 @@ from palpate.store.cells import BigInteger, Boolean, Float, Integer, LargeBinary
 
 __all__ = [
     "audit",
+    "descriptions",
     "devices",
     "entries",
     "episode_steps",
@@ -49,9 +50,9 @@ SEEN_BY = ("visibility", "embargoed_us", "owner", "uploaded_by")
 """Columns of which it depends who sees a recording."""
 
 
-def _where(condition: str, *columns: str) -> Index:
+def _where(condition: str, *columns: str, name: str | None = None) -> Index:
     """An index over some of the rows only: each index that a row is not in is a page less to write."""
-    return Index(None, *columns, sqlite_where=text(condition), postgresql_where=text(condition))
+    return Index(name, *columns, sqlite_where=text(condition), postgresql_where=text(condition))
 
 
 things = Table(
@@ -125,6 +126,19 @@ layouts = Table(
     Column("digest", LargeBinary(32), nullable=False, unique=True),
     Column("document", Text, nullable=False),
 )
+# what recordings say of their objects, each once
+descriptions = Table(
+    "descriptions",
+    metadata,
+    Column("id", Id, primary_key=True),
+    Column("thing_id", Id, ForeignKey("things.id"), nullable=False),
+    Column("digest", LargeBinary(32), nullable=False),
+    Column("maker", String),
+    Column("common_name", String),
+    Column("aliases", Text, nullable=False),
+    Column("words", Text, nullable=False),
+    UniqueConstraint("thing_id", "digest"),
+)
 recordings = Table(
     "recordings",
     metadata,
@@ -147,12 +161,15 @@ recordings = Table(
     Column("seal", LargeBinary(32)),
     Column("uploaded_by", String),
     Column("embargoed_us", BigInteger),
+    # None where it says nothing of its object but dataset and name
+    Column("description_id", Id, ForeignKey("descriptions.id")),
     Index(None, "recorded_us", "id"),
     # with all that says who sees a recording, so that those that somebody sees are counted without reading them
     Index("ix_recordings_of_thing", "thing_id", "recorded_us", "id", *SEEN_BY),
     Index("ix_recordings_of_setup", "setup_id", "recorded_us", "id", *SEEN_BY),
     Index(None, "gripper", "recorded_us", "id"),
     _where("owner IS NOT NULL", "owner", "recorded_us", "id"),
+    _where("description_id IS NOT NULL", "description_id", *SEEN_BY, name="ix_recordings_of_description"),
 )
 # beside the one that a recording names itself
 senders = Table(

@@ -14,17 +14,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 from sqlalchemy import ColumnElement, Select, Table, and_, exists, false, func, literal, not_, or_, select, true, union
 
 from palpate.store import schema
 from palpate.store.completing import ADDED, CHANGED, OF_ARCHIVES
-from palpate.store.content import to_json
 from palpate.store.embargo import is_over
 from palpate.store.filters import Filter, each_label, things_named
-from palpate.store.json_columns import Holds, holds_line
+from palpate.store.json_columns import Holds
 from palpate.store.registry import now_us
+from palpate.store.sayings import knows_name
 
 __all__ = ["Viewer", "VisibleFilter"]
 
@@ -74,35 +74,6 @@ class Viewer:
     def now_us(self) -> int:
         """When they look: all that they ask in one request is told as of one moment."""
         return now_us()
-
-    def knows_name(self, name: str) -> ColumnElement[bool]:
-        """The condition on `schema.things` that one may be known by a name: its own, or one that is said and seen."""
-        things, recordings, audit = schema.things.c, schema.recordings, schema.audit.c
-        if self.everything:
-            return true()
-        line = holds_line(recordings.c.words, literal(name.casefold()))
-        said = exists().where(recordings.c.thing_id == things.id, self.of(recordings), line)
-        by_person = exists().where(
-            audit.thing_id == things.id, self.hears(), audit.detail.contains(to_json(name), autoescape=True)
-        )
-        return or_(things.name == name, things.dataset + "/" + things.name == name, said, by_person)
-
-    def knows_word(self, text: str) -> ColumnElement[bool]:
-        """The condition on `schema.things` that a part of a word is said of one where it is seen, or by a person."""
-        things, recordings, audit = schema.things.c, schema.recordings, schema.audit.c
-        if self.everything:
-            return true()
-        said = exists().where(
-            recordings.c.thing_id == things.id,
-            self.of(recordings),
-            recordings.c.words.contains(text.casefold(), autoescape=True),
-        )
-        by_person = exists().where(
-            audit.thing_id == things.id,
-            self.hears(),
-            func.lower(audit.detail).contains(text.lower(), autoescape=True),
-        )
-        return or_(said, by_person)
 
     def things(self) -> ColumnElement[bool]:
         """The condition on `schema.things` that one is seen by itself, whatever is merged into it."""
@@ -160,7 +131,7 @@ class VisibleFilter(Filter):
         columns = schema.recordings.c
         yield from super(VisibleFilter, replace(self, known={}, thing=None, dataset=None)).conditions()
         if self.thing is not None or self.dataset is not None:
-            yield columns.thing_id.in_(things_named(self.thing, self.dataset, self.viewer.knows_name))
+            yield columns.thing_id.in_(things_named(self.thing, self.dataset, partial(knows_name, self.viewer)))
         for name, label in each_label(self.known):
             yield columns.thing_id.in_(known_things(self.viewer, name, label))
         if not self.viewer.everything:

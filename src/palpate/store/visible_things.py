@@ -18,6 +18,7 @@ from palpate.store.describing import Fields, fields_of
 from palpate.store.errors import StoreError
 from palpate.store.legible import reading
 from palpate.store.records import ThingRef
+from palpate.store.sayings import knows_word
 from palpate.store.search_words import search_words
 from palpate.store.store import Store
 from palpate.store.things import Thing, is_thing, things_where
@@ -45,7 +46,8 @@ class ThingFilter:
     Attributes
     ----------
     text
-        Words, each a part of dataset, name, common name, maker or an alias, in any order and any case.
+        Words, each a part of dataset, name, common name, maker or an alias, in any order and any case; of what is said
+        of an object that which is seen.
     dataset
         As recorded.
     in_none_of
@@ -68,12 +70,7 @@ class ThingFilter:
         """On `schema.things`."""
         columns = schema.things.c
         for word in search_words(self.text or ""):
-            asked = word.lower()
-            own, more = (columns.dataset, columns.name), (columns.common_name, columns.maker, columns.aliases)
-            held, said = (
-                or_(*(func.lower(column).contains(asked, autoescape=True) for column in some)) for some in (own, more)
-            )
-            yield or_(held, said & viewer.knows_word(word))
+            yield knows_word(viewer, word)
         if self.dataset is not None:
             yield columns.dataset == self.dataset
         if self.in_none_of:

@@ -8,17 +8,19 @@ the object is seen.
 from __future__ import annotations
 
 import json
+from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from sqlalchemy import Connection, exists, func, literal, not_, select
+from sqlalchemy import Connection, exists, not_, or_, select
 
 from palpate.store import schema
 from palpate.store.chunks import chunks
 from palpate.store.content import to_json
-from palpate.store.json_columns import holds_line
+from palpate.store.json_columns import HoldsText
 from palpate.store.records import ThingRef
+from palpate.store.sayings import is_seen
 from palpate.store.viewing import Viewer
 
 __all__ = ["Part", "hidden_parts", "of_mixed", "seen_names", "seen_refs", "unsaid"]
@@ -37,10 +39,9 @@ def seen_refs(connection: Connection, viewer: Viewer, things: Mapping[int, Thing
 
 def hidden_parts(connection: Connection, viewer: Viewer, every: Mapping[int, set[Part]]) -> Mapping[int, set[Part]]:
     """Those parts, by rows of objects, that a viewer may not know."""
-    doubtful = {
-        row: {part for part in parts if not _is_in_words(connection, viewer, row, part)}
-        for row, parts in unsaid(connection, viewer, every).items()
-    }
+    left = unsaid(connection, viewer, every)
+    said = _described(connection, viewer, [row for row, parts in left.items() if parts])
+    doubtful = {row: parts - said[row] if row in said else parts for row, parts in left.items()}
     mixed = of_mixed(connection, viewer, [row for row, parts in doubtful.items() if parts])
     return {row: parts if row in mixed else set() for row, parts in doubtful.items()}
 
@@ -53,19 +54,12 @@ def seen_names(connection: Connection, viewer: Viewer, names: Mapping[int, str |
         row: {(("common_name",), to_json(name))} for row, name in names.items() if name is not None
     }
     doubtful = [row for row, left in unsaid(connection, viewer, parts).items() if left]
-    if not doubtful:
-        return names
-    things, recordings = schema.things.c, schema.recordings
-    named = exists().where(
-        recordings.c.thing_id == things.id,
-        viewer.of(recordings),
-        holds_line(recordings.c.words, func.lower(things.common_name)),
-    )
+    things, said = schema.things.c, schema.descriptions.c
+    is_name = or_(said.common_name == things.common_name, HoldsText(said.aliases, things.common_name))
+    described = exists().where(said.thing_id == things.id, is_name, is_seen(viewer))
     for some in chunks(doubtful):
-        said = set(connection.scalars(select(things.id).where(things.id.in_(some), named)))
-        doubtful = [row for row in doubtful if row not in said]
-    # a database knows fewer small letters
-    doubtful = [row for row in doubtful if not _is_in_words(connection, viewer, row, next(iter(parts[row])))]
+        known = set(connection.scalars(select(things.id).where(things.id.in_(some), described)))
+        doubtful = [row for row in doubtful if row not in known]
     hidden = of_mixed(connection, viewer, doubtful)
     return {row: None if row in hidden else name for row, name in names.items()}
 
@@ -108,18 +102,21 @@ def _changes(detail: str) -> list[Any]:
     return [one for one in found if isinstance(one, dict) and "field" in one] if isinstance(found, list) else []
 
 
-def _is_in_words(connection: Connection, viewer: Viewer, row: int, part: Part) -> bool:
-    """Whether a recording of an object that is seen says this; of attributes none keeps what it has said."""
-    (name, *_), said = part
-    if name == "attributes":
-        return False
-    recordings = schema.recordings
-    asked = exists().where(
-        recordings.c.thing_id == row,
-        viewer.of(recordings),
-        holds_line(recordings.c.words, literal(str(json.loads(said)).casefold())),
-    )
-    return bool(connection.scalar(select(asked)))
+def _described(connection: Connection, viewer: Viewer, rows: Sequence[int]) -> Mapping[int, set[Part]]:
+    """What recordings that are seen say of objects, by their rows; of attributes none keeps what it has said."""
+    said, found = schema.descriptions.c, defaultdict[int, set[Part]](set)
+    for some in chunks(rows):
+        asked = select(said.thing_id, said.maker, said.common_name, said.aliases)
+        for row in connection.execute(asked.where(said.thing_id.in_(some), is_seen(viewer))):
+            names = [name for name in (row.common_name, *json.loads(row.aliases)) if name is not None]
+            # what was not the first common name became an alias
+            found[row.thing_id].update((field, to_json(name)) for name in names for field in _fields(name))
+            found[row.thing_id].add((("maker",), to_json(row.maker)))
+    return found
+
+
+def _fields(name: str) -> tuple[tuple[str, ...], ...]:
+    return ("common_name",), ("aliases", name)
 
 
 def of_mixed(connection: Connection, viewer: Viewer, rows: Sequence[int]) -> set[int]:
