@@ -16,7 +16,8 @@ import uvicorn
 from starlette.types import Message, Receive, Scope, Send
 
 from palpate.server.security.connections import MindedConnection
-from palpate.server.security.places import Places, Room
+from palpate.server.security.places import Places
+from palpate.server.security.rooms import Room
 from tests.server.serving import free_port, served
 
 IDLE = 600

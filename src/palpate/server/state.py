@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 from starlette.requests import HTTPConnection
 
+from palpate.server.security.rooms import Room
 from palpate.server.security.single_sign_on import Provider
 from palpate.server.security.tries import Tries
 from palpate.server.settings import Settings
@@ -15,7 +16,9 @@ from palpate.store.store import Store
 if TYPE_CHECKING:
     from palpate.server.uploading.previews import Previews
 
-__all__ = ["State", "state_of"]
+__all__ = ["MOST_HELD_BYTES", "MOST_HELD_BYTES_OF_A_NETWORK", "State", "state_of"]
+
+MOST_HELD_BYTES, MOST_HELD_BYTES_OF_A_NETWORK = 512 << 20, 256 << 20
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,8 @@ class State:
         Who else logs people in; nobody where it is None.
     tries
         How often a log-in is tried.
+    memory
+        Bytes that samples take while they are read and sent.
     """
 
     store: Store
@@ -39,6 +44,7 @@ class State:
     previews: Previews
     provider: Provider | None = None
     tries: Tries = field(default_factory=Tries)
+    memory: Room = field(default_factory=lambda: Room(MOST_HELD_BYTES, MOST_HELD_BYTES_OF_A_NETWORK))
 
 
 def state_of(connection: HTTPConnection) -> State:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from tempfile import SpooledTemporaryFile
 from typing import IO, Annotated, Any
 
@@ -18,15 +17,17 @@ from palpate.server.api.downloads import stored_download
 from palpate.server.api.models import Batch, Digests, File, KnownRecordings, Page, Receipt, Recording, RecordingRow
 from palpate.server.api.parameters import Place, SeenRecording, StoreOf
 from palpate.server.api.queries import RecordingQuery
+from palpate.server.api.series import LARGEST_READ_BYTES, UNPACKED
 from palpate.server.batches import keep_lines, keep_packages
+from palpate.server.memory import Held, Memory
+from palpate.server.packages import write_package
 from palpate.server.problems import Problem, problem
 from palpate.server.receiving import IN_MEMORY, receive, spooled
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.who import Who, needs
 from palpate.server.state import state_of
-from palpate.store.importing.package import pack
 from palpate.store.listing import list_recordings
-from palpate.store.parts import log_of
+from palpate.store.parts import Head, log_of
 from palpate.store.visible_episodes import recordings_of_digests
 
 __all__ = ["router"]
@@ -81,15 +82,20 @@ def get_file(request: Request, head: SeenRecording, position: Place) -> Response
 
 
 @router.get("/{key}/package", response_class=Response, responses={200: {"content": UPLOAD}})
-def get_package(store: StoreOf, head: SeenRecording) -> Response:
-    """A recording whole, as a package: what a program that knows Palpate reads back to what was put."""
+def get_package(store: StoreOf, who: Who, head: SeenRecording, memory: Memory) -> Response:
+    """A recording whole, as a package: what a program that knows Palpate reads back to what was put.
+
+    Where a series of it is larger than could be sent by itself, it is for those who have an account.
+    """
+    _take(memory, who, head)
     package = SpooledTemporaryFile(max_size=IN_MEMORY)  # noqa: SIM115 - closed once it is sent
     try:
-        # of its object that which its reader may know
-        pack(replace(store.get(head.id), thing=head.thing), package)
+        write_package(store, head, package)
     except BaseException:
         package.close()
         raise
+    # it is on the disk from here on, however slowly it is read
+    memory.give_back()
     headers = {
         "Content-Length": str(package.tell()),
         "Content-Disposition": f'attachment; filename="{head.id}.zip"',
@@ -154,6 +160,18 @@ async def post_recordings(request: Request, who: Annotated[Account, Depends(need
             parts = [part.file for _, part in form.multi_items() if isinstance(part, UploadFile)]
             return answer({"items": await run_in_threadpool(keep_packages, state, who, parts)})
     raise problem(415, f"content-type: found {kind[:60]!r}, expected {' or '.join(BATCH)}")
+
+
+def _take(memory: Held, who: Account, head: Head) -> None:
+    """Take the memory that the largest series needs, of which one after the other is unpacked."""
+    largest = max((one.size_bytes for one in head.series), default=0)
+    if largest <= LARGEST_READ_BYTES:
+        memory.take(UNPACKED * largest)
+    elif who.role >= Role.READER:
+        memory.take_alone(UNPACKED * largest)
+    else:
+        told = f"a series has {largest} bytes, expected {LARGEST_READ_BYTES} at most for those without an account"
+        raise problem(403, f"recording {head.id}: {told}")
 
 
 def _pieces(package: IO[bytes]) -> Iterator[bytes]:

@@ -19,6 +19,7 @@ from palpate.server.api.models import Page, SeriesInfo, SeriesSamples, Strict
 from palpate.server.api.parameters import Place, SeenRecording, StoreOf
 from palpate.server.api.sounds import SoundFile, is_sound
 from palpate.server.api.stretches import stretches
+from palpate.server.memory import Held, Memory
 from palpate.server.problems import problem
 from palpate.store.content import canonical_array
 from palpate.store.parts import Head, series_of
@@ -30,8 +31,12 @@ __all__ = ["cell_text", "found_series", "router"]
 router = APIRouter(prefix="/recordings/{key}/series", tags=["series"])
 LARGEST_VALUES = 2_000_000
 """Samples as text; more of them are to be had as Arrow."""
-LARGEST_READ_BYTES = 256 << 20
+LARGEST_READ_BYTES = 128 << 20
 """Of a series, which is unpacked whole before any of it is sent; more are to be had in the recording's package."""
+UNPACKED = 2
+"""While a series is unpacked, all of it is there so many times."""
+TEXT_BYTES = 100
+"""Of a number that is written as JSON."""
 CSV = "text/csv"
 Form = Literal["json", "csv", "arrow"]
 
@@ -49,7 +54,9 @@ def list_series(head: SeenRecording) -> Response:
 
 
 @router.get("/{position}", response_model=SeriesSamples, responses={200: {"content": {CSV: {}, ARROW: {}}}})
-def get_series(store: StoreOf, head: SeenRecording, position: Place, asked: Annotated[Asked, Query()]) -> Response:
+def get_series(
+    store: StoreOf, head: SeenRecording, memory: Memory, position: Place, asked: Annotated[Asked, Query()]
+) -> Response:
     """A series with its samples.
 
     As CSV and Arrow it has a row for each sample: channel, index, time [s] where it is known, and value; a sample
@@ -59,25 +66,30 @@ def get_series(store: StoreOf, head: SeenRecording, position: Place, asked: Anno
     info = head.series[position] if position < len(head.series) else None
     if asked.form != "arrow" and info is not None and info.numbers > LARGEST_VALUES:
         raise problem(422, f"format: {info.numbers} numbers are too many as text, expected format=arrow")
-    return FORMS[asked.form](found_series(store, head, position))
+    if asked.form == "json" and info is not None:
+        memory.take(TEXT_BYTES * info.numbers)
+    return FORMS[asked.form](found_series(store, head, memory, position))
 
 
 @router.get("/{position}/channels/{channel}/sound", response_class=Response)
-def get_sound(request: Request, store: StoreOf, head: SeenRecording, position: Place, channel: Place) -> Response:
+def get_sound(
+    request: Request, store: StoreOf, head: SeenRecording, memory: Memory, position: Place, channel: Place
+) -> Response:
     """A channel that is a sound, as a WAV file of 16 bits; its loudest sample is full scale."""
-    series = found_series(store, head, position)
+    series = found_series(store, head, memory, position)
     if channel >= len(series.channels) or not is_sound(series.channels[channel]):
         raise problem(404, f"recording {head.id}: series {position} has no sound at channel {channel}")
     sound = SoundFile(series.channels[channel])
     return download(request, sound, f"{series.name}.wav", "audio/wav", f"{head.digest}-{position}-{channel}")
 
 
-def found_series(store: Store, head: Head, position: int) -> Series:
-    """A series, or an error of the request where there is none, or one too large to be read at once."""
+def found_series(store: Store, head: Head, memory: Held, position: int) -> Series:
+    """A series, or an error of the request where there is none, it is too large, or others take the memory for it."""
     size_bytes = head.series[position].size_bytes if position < len(head.series) else 0
     if size_bytes > LARGEST_READ_BYTES:
         most = f"expected {LARGEST_READ_BYTES} at most; all of it is in the recording's package"
         raise problem(422, f"recording {head.id}: series {position} has {size_bytes} bytes, {most}")
+    memory.take(UNPACKED * size_bytes)
     series = series_of(store, head, position)
     if series is None:
         raise problem(404, f"recording {head.id}: has {len(head.series)} series, and none at {position}")

@@ -15,6 +15,7 @@ from palpate.server.api.parameters import StoreOf
 from palpate.server.api.queries import Text
 from palpate.server.api.series import cell_text
 from palpate.server.benchmark import Agreement, agreements
+from palpate.server.memory import Memory
 from palpate.server.pages.allowance import MOST_NUMBERS
 from palpate.server.pages.colours import colours_of
 from palpate.server.pages.overlays import choices_of, laid_over
@@ -42,7 +43,9 @@ class Asked(BaseModel):
 
 
 @router.get("")
-def compare(request: Request, store: StoreOf, who: Who, asked: Annotated[Asked, Query()]) -> HTMLResponse:
+def compare(
+    request: Request, store: StoreOf, who: Who, memory: Memory, asked: Annotated[Asked, Query()]
+) -> HTMLResponse:
     """Compare what measured one property, of all objects or of one."""
     names = [one.name for one in seen_properties(store, who.viewer) if one.unit is not None]
     name = asked.property or next(iter(names), None)
@@ -58,7 +61,7 @@ def compare(request: Request, store: StoreOf, who: Who, asked: Annotated[Asked, 
     colours = colours_of(store, devices)
     choices = choices_of(own, asked.recording, colours)
     chosen = {one.recording: one.colour for one in choices if one.colour is not None}
-    laid = laid_over(store, who.viewer, chosen) if chosen else None
+    laid = laid_over(store, who.viewer, memory, chosen) if chosen else None
     return page(
         request,
         "compare.html",

@@ -14,6 +14,7 @@ from fastapi.responses import Response
 from pydantic import Field
 
 from palpate.server.api.parameters import StoreOf
+from palpate.server.memory import Held, Memory
 from palpate.server.pages.allowance import Allowance
 from palpate.server.pages.others import in_words
 from palpate.server.pages.shown import Dark, Shown, figure, shown
@@ -88,9 +89,11 @@ def _name(one: Result) -> str:
     return f"{one.measured_by}, {one.recorded_at:%Y-%m-%d %H:%M}"
 
 
-def laid_over(store: Store, viewer: Viewer, colours: Mapping[UUID, int]) -> tuple[Shown | None, Overlay, list[Laid]]:
+def laid_over(
+    store: Store, viewer: Viewer, memory: Held, colours: Mapping[UUID, int]
+) -> tuple[Shown | None, Overlay, list[Laid]]:
     """The plot of recordings, as far as they are seen, each in its colour; and those that are too large to be read."""
-    laid = list(_laid(store, viewer, list(colours), list(colours.values())))
+    laid = list(_laid(store, viewer, Allowance(memory=memory), list(colours), list(colours.values())))
     found = overlay([one for one in laid if one.too_large is None])
     asked = [pair for key, colour in colours.items() for pair in (("recording", str(key)), ("colour", str(colour)))]
     address = f"/compare/curves.json?{urlencode(asked)}"
@@ -98,15 +101,18 @@ def laid_over(store: Store, viewer: Viewer, colours: Mapping[UUID, int]) -> tupl
 
 
 @router.get("/curves.json")
-def curves(store: StoreOf, who: Who, recording: Chosen, colour: Colours = (), dark: Dark = False) -> Response:
+def curves(
+    store: StoreOf, who: Who, memory: Memory, recording: Chosen, colour: Colours = (), dark: Dark = False
+) -> Response:
     """The figure of recordings that are laid over each other, each in its colour; without colours, one each."""
     colours = colour or range(len(recording))
-    laid = [one for one in _laid(store, who.viewer, recording, colours) if one.too_large is None]
-    return figure(overlay(laid).plot, dark=dark)
+    laid = _laid(store, who.viewer, Allowance(memory=memory), recording, colours)
+    return figure(overlay([one for one in laid if one.too_large is None]).plot, dark=dark)
 
 
-def _laid(store: Store, viewer: Viewer, recordings: Sequence[UUID], colours: Sequence[int]) -> Iterator[Laid]:
-    left = Allowance()
+def _laid(
+    store: Store, viewer: Viewer, left: Allowance, recordings: Sequence[UUID], colours: Sequence[int]
+) -> Iterator[Laid]:
     for place, key in enumerate(recordings):
         head = head_of(store, viewer, key)
         if head is None:

@@ -10,6 +10,7 @@ from fastapi.responses import HTMLResponse, Response
 from palpate.server.api.parameters import Place, SeenRecording, StoreOf
 from palpate.server.api.queries import RecordingQuery
 from palpate.server.api.sounds import is_sound
+from palpate.server.memory import Memory
 from palpate.server.pages.allowance import MOST_NUMBERS, Allowance
 from palpate.server.pages.citing import citation
 from palpate.server.pages.sharing import form_values
@@ -48,9 +49,9 @@ def rows(request: Request, store: StoreOf, who: Who, query: Annotated[RecordingQ
 
 
 @router.get("/{key}")
-def one(request: Request, store: StoreOf, who: Who, head: SeenRecording) -> HTMLResponse:
+def one(request: Request, store: StoreOf, who: Who, head: SeenRecording, memory: Memory) -> HTMLResponse:
     """A recording with its signals, files, setup, poses, results and log."""
-    log, left = log_of(store, head), Allowance()
+    log, left = log_of(store, head), Allowance(memory=memory)
     return page(
         request,
         "recording.html",
@@ -69,39 +70,41 @@ def one(request: Request, store: StoreOf, who: Who, head: SeenRecording) -> HTML
 
 
 @router.get("/{key}/series/{position}/squeeze.json")
-def squeeze(store: StoreOf, head: SeenRecording, position: Place, dark: Dark = False) -> Response:
+def squeeze(store: StoreOf, head: SeenRecording, memory: Memory, position: Place, dark: Dark = False) -> Response:
     """The figure of a squeeze."""
-    found = found_squeeze(head, drawn_series(store, head, position), Allowance())
+    found = found_squeeze(head, drawn_series(store, head, memory, position), Allowance())
     return figure(None if found is None else squeeze_plot(found), dark=dark)
 
 
 @router.get("/{key}/series/{position}/channels/{channel}/plot.json")
-def curve(store: StoreOf, head: SeenRecording, position: Place, channel: Place, dark: Dark = False) -> Response:
+def curve(
+    store: StoreOf, head: SeenRecording, memory: Memory, position: Place, channel: Place, dark: Dark = False
+) -> Response:
     """The figure of a channel over time."""
-    channels = drawn_series(store, head, position).channels
+    channels = drawn_series(store, head, memory, position).channels
     return figure(channel_plot(channels[channel]) if channel < len(channels) else None, dark=dark)
 
 
 @router.get("/{key}/series/{position}/channels/{channel}/spectrogram.png")
-def picture(store: StoreOf, head: SeenRecording, position: Place, channel: Place) -> Response:
+def picture(store: StoreOf, head: SeenRecording, memory: Memory, position: Place, channel: Place) -> Response:
     """How loud a sound is at each pitch, over time."""
-    series = drawn_series(store, head, position)
+    series = drawn_series(store, head, memory, position)
     if channel >= len(series.channels) or not is_sound(series.channels[channel]):
         raise problem(404, f"recording {head.id}: series {position} has no sound at channel {channel}")
     return Response(spectrogram(series.channels[channel]), media_type="image/png")
 
 
 @router.get("/{key}/files/{place}/plot.json")
-def curve_of_file(store: StoreOf, head: SeenRecording, place: Place, dark: Dark = False) -> Response:
+def curve_of_file(store: StoreOf, head: SeenRecording, memory: Memory, place: Place, dark: Dark = False) -> Response:
     """The figure of a sound that was recorded as a file."""
-    sound = sound_of_file(store, head, place)
+    sound = sound_of_file(store, head, memory, place)
     return figure(None if sound is None else channel_plot(sound), dark=dark)
 
 
 @router.get("/{key}/files/{place}/spectrogram.png")
-def picture_of_file(store: StoreOf, head: SeenRecording, place: Place) -> Response:
+def picture_of_file(store: StoreOf, head: SeenRecording, memory: Memory, place: Place) -> Response:
     """How loud a sound that was recorded as a file is at each pitch, over time."""
-    sound = sound_of_file(store, head, place)
+    sound = sound_of_file(store, head, memory, place)
     if sound is None:
         raise problem(404, f"recording {head.id}: there is no sound in file {place}")
     return Response(spectrogram(sound), media_type="image/png")

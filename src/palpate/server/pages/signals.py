@@ -11,6 +11,7 @@ from markupsafe import Markup
 from palpate.server.api.downloads import BEGINNING_BYTES, NO_TYPE, safe_type
 from palpate.server.api.series import found_series
 from palpate.server.api.sounds import is_sound
+from palpate.server.memory import Held
 from palpate.server.pages.allowance import MOST_FITTED, MOST_NUMBERS, Allowance
 from palpate.server.pages.shown import Shown, shown
 from palpate.server.plots.curves import channel_plot
@@ -78,13 +79,13 @@ def shown_signals(store: Store, head: Head, left: Allowance) -> Iterator[Signals
             yield _drawn(head, series, position, left)
 
 
-def drawn_series(store: Store, head: Head, position: int) -> Series:
+def drawn_series(store: Store, head: Head, memory: Held, position: int) -> Series:
     """A series of which a figure is made, or an error of the request where there is none, or too much to be drawn."""
     numbers = head.series[position].numbers if position < len(head.series) else 0
-    if numbers > MOST_NUMBERS:
+    if not Allowance(memory=memory).reads(numbers):
         told = f"series {position} has {numbers} numbers, expected {MOST_NUMBERS} at most to be drawn"
         raise problem(422, f"recording {head.id}: {told}", [{"field": "path.position", "detail": told}])
-    return found_series(store, head, position)
+    return found_series(store, head, memory, position)
 
 
 def found_squeeze(head: Head, series: Series, left: Allowance) -> FoundSqueeze | None:
@@ -134,7 +135,7 @@ def _shown_file(store: Store, head: Head, place: int, left: Allowance) -> dict[s
     item = head.files[place]
     kind = kind_of(store, item)
     may_be_drawn = kind == "audio" and left.reads(most_numbers(store, item)) and left.draws(1)
-    sound = sound_of_file(store, head, place) if may_be_drawn else None
+    sound = sound_in(store.blobs.get(item.sha256)) if may_be_drawn else None
     address = f"/recordings/{head.id}/files/{place}"
     return {
         "item": item,
@@ -145,9 +146,10 @@ def _shown_file(store: Store, head: Head, place: int, left: Allowance) -> dict[s
     }
 
 
-def sound_of_file(store: Store, head: Head, place: int) -> Channel | None:
+def sound_of_file(store: Store, head: Head, memory: Held, place: int) -> Channel | None:
     """The sound in a file; None where there is none, or too much of it to be drawn."""
-    if not 0 <= place < len(head.files) or most_numbers(store, head.files[place]) > MOST_NUMBERS:
+    is_there = 0 <= place < len(head.files)
+    if not is_there or not Allowance(memory=memory).reads(most_numbers(store, head.files[place])):
         return None
     return sound_in(store.blobs.get(head.files[place].sha256))
 

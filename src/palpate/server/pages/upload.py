@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
+from types import MappingProxyType
 from typing import IO, Annotated
 from uuid import UUID
 
@@ -14,6 +15,8 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from starlette.datastructures import FormData, UploadFile
 
 from palpate.server.api.parameters import StoreOf
+from palpate.server.memory import Memory
+from palpate.server.pages.allowance import Allowance
 from palpate.server.pages.templates import page
 from palpate.server.pages.waiting import Owner, Waiting, gone, waiting_preview
 from palpate.server.plausible import check_plausible
@@ -41,6 +44,7 @@ __all__ = ["router"]
 
 router = APIRouter(prefix="/upload")
 MOST_FILES = 1_000
+NOTHING: Mapping[str, str] = MappingProxyType({})
 
 
 @router.get("")
@@ -124,18 +128,24 @@ def _keep_typed(store: Store, who: Account, fields: Mapping[str, str]) -> Receip
 
 
 @router.get("/{id}")
-def preview(request: Request, store: StoreOf, who: Owner, id: str, kept: KeptBefore) -> Response:
+def preview(request: Request, store: StoreOf, who: Owner, memory: Memory, id: str, kept: KeptBefore) -> Response:
     """What was understood; where it was kept meanwhile, what became of it."""
     if kept is not None:
         return _to_kept(id)
-    return _shown(request, store, who, waiting_preview(request, who, id), {}, None)
+    return _shown(request, store, who, Allowance(memory=memory), waiting_preview(request, who, id))
 
 
 def _shown(
-    request: Request, store: Store, who: Account, waiting: Preview, given: Mapping[str, str], fault: str | None
+    request: Request,
+    store: Store,
+    who: Account,
+    left: Allowance,
+    waiting: Preview,
+    given: Mapping[str, str] = NOTHING,
+    fault: str | None = None,
 ) -> HTMLResponse:
     """What was understood; with what was wanted, and what is wrong with that, where it could not be kept so."""
-    items, episodes = shown_of(store, who, waiting), shown_episodes(store, who, waiting)
+    items, episodes = shown_of(store, who, waiting, left), shown_episodes(store, who, waiting)
     fates = Counter(item.coming.fate for item in items)
     explored = Counter(one.fate.value for one in episodes)
     return page(
@@ -158,7 +168,7 @@ def _shown(
 
 
 @router.post("/{id}/keep")
-async def keep_all(request: Request, store: StoreOf, who: Owner, id: str, kept: KeptBefore) -> Response:
+async def keep_all(request: Request, store: StoreOf, who: Owner, memory: Memory, id: str, kept: KeptBefore) -> Response:
     """Keep what was shown, and lead to what became of it; once, also where the form is sent twice."""
     if kept is None:
         waiting = waiting_preview(request, who, id)
@@ -166,7 +176,8 @@ async def keep_all(request: Request, store: StoreOf, who: Owner, id: str, kept: 
         try:
             wishes = Wishes.of_form(fields)
         except StoreError as error:
-            return await run_in_threadpool(_shown, request, store, who, waiting, fields, str(error))
+            left = Allowance(memory=memory)
+            return await run_in_threadpool(_shown, request, store, who, left, waiting, fields, str(error))
         await run_in_threadpool(keep, state_of(request), who, waiting, wishes)
     return _to_kept(id)
 

@@ -12,6 +12,7 @@ from fastapi.responses import Response
 from palpate.server.api.downloads import download
 from palpate.server.api.parameters import DIGEST, Place
 from palpate.server.api.series import get_sound
+from palpate.server.memory import Memory
 from palpate.server.pages.signals import kind_of
 from palpate.server.problems import ProblemError, problem
 from palpate.server.security.accounts import Account, Role
@@ -71,7 +72,7 @@ def file(request: Request, waiting: Waiting, digest: str, place: Place) -> Respo
 
 
 @router.get("/series/{position}/channels/{channel}/sound")
-def sound(request: Request, waiting: Waiting, digest: str, position: Place, channel: Place) -> Response:
+def sound(request: Request, waiting: Waiting, memory: Memory, digest: str, position: Place, channel: Place) -> Response:
     """A channel that is a sound, as the API gives it when it is kept."""
     with _opened(waiting, digest) as (scratch, head):
-        return get_sound(request, scratch, head, position, channel)
+        return get_sound(request, scratch, head, memory, position, channel)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from palpate.server.problems import Problem, problem_response
 from palpate.server.security.addresses import network_of
+from palpate.server.security.rooms import Room
 
 __all__ = [
     "MOST_REQUESTS",
@@ -26,35 +26,6 @@ MOST_WATCHERS, MOST_WATCHERS_OF_A_NETWORK = 100, 40
 HEALTH = "/health"
 EVENTS = re.compile(r"/episodes/[^/]+/events")
 AGAIN_S = 2
-
-
-class Room:
-    """Places for so many, of whom so many may be of one network."""
-
-    def __init__(self, most: int, most_of_a_network: int) -> None:
-        self.most, self.most_of_a_network = most, most_of_a_network
-        self._taken = Counter[str]()
-
-    def fault(self, network: str) -> Problem | None:
-        """Why there is no place for one more of a network; None where there is."""
-        if self._taken[network] >= self.most_of_a_network:
-            detail = f"{self.most_of_a_network} requests of this address are under way, wait until one is answered"
-            return Problem(title="Too Many Requests", status=429, detail=detail)
-        if self._taken.total() >= self.most:
-            return Problem(
-                title="Service Unavailable", status=503, detail="very many ask at once, ask again in a moment"
-            )
-        return None
-
-    def enter(self, network: str) -> None:
-        """Take a place."""
-        self._taken[network] += 1
-
-    def leave(self, network: str) -> None:
-        """Give it back."""
-        self._taken[network] -= 1
-        # networks that are gone are forgotten
-        self._taken += Counter()
 
 
 class Places:
@@ -76,12 +47,17 @@ class Places:
             return
         room = self.watchers if EVENTS.fullmatch(scope["path"]) else self.requests
         network = network_of(HTTPConnection(scope))
-        fault = room.fault(network)
-        if fault is not None:
-            await problem_response(fault, {"Retry-After": str(AGAIN_S)})(scope, receive, send)
+        if not room.enter(network):
+            await problem_response(_fault(room, network), {"Retry-After": str(AGAIN_S)})(scope, receive, send)
             return
-        room.enter(network)
         try:
             await self.app(scope, receive, send)
         finally:
             room.leave(network)
+
+
+def _fault(room: Room, network: str) -> Problem:
+    if room.is_full_of(network):
+        detail = f"{room.most_of_a_network} requests of this address are under way, wait until one is answered"
+        return Problem(title="Too Many Requests", status=429, detail=detail)
+    return Problem(title="Service Unavailable", status=503, detail="very many ask at once, ask again in a moment")

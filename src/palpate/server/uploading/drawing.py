@@ -10,9 +10,10 @@ from markupsafe import Markup
 
 from palpate.server.api.sounds import is_sound
 from palpate.server.pages.allowance import Allowance
-from palpate.server.pages.signals import MOST_FILES, MOST_SERIES, found_squeeze, kind_of, most_numbers, sound_of_file
+from palpate.server.pages.signals import MOST_FILES, MOST_SERIES, found_squeeze, kind_of, most_numbers
 from palpate.server.plots.curves import channel_plot
 from palpate.server.plots.plot import Plot
+from palpate.server.plots.sounds import sound_in
 from palpate.server.plots.squeezes import squeeze_plot
 from palpate.server.plots.svg import svg
 from palpate.store.parts import Head, series_of
@@ -88,7 +89,7 @@ def _plots(
         yield from (plot for plot in map(channel_plot, series.channels) if plot is not None)
     for place in _places(kinds, "audio"):
         may_be_read = left.reads(most_numbers(scratch, head.files[place]))
-        sound = sound_of_file(scratch, head, place) if may_be_read else None
+        sound = sound_in(scratch.blobs.get(head.files[place].sha256)) if may_be_read else None
         plot = None if sound is None else channel_plot(sound)
         if plot is not None:
             yield plot

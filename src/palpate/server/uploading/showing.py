@@ -98,10 +98,10 @@ def shown_episodes(store: Store, who: Account, preview: Preview) -> list[ShownEp
         ]
 
 
-def shown_of(store: Store, who: Account, preview: Preview) -> list[Shown]:
+def shown_of(store: Store, who: Account, preview: Preview, left: Allowance) -> list[Shown]:
     """All recordings of a preview, the first ones with what is seen and heard, and what is refused or left out."""
     found = [one for one in preview.found() if one["episode"] is None]
-    items, seen, pictured, left = list[Shown](), 0, 0, Allowance()
+    items, seen, pictured = list[Shown](), 0, 0
     with open_store(preview.place, preview.blobs, durable=False, make=False) as scratch:
         for one, become in zip(found, coming(store, who, scratch, found), strict=True):
             head = None

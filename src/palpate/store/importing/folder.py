@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from palpate.store.content import canonical_array, to_json
 from palpate.store.durable import sync_tree
 from palpate.store.importing.plain import FIELDS, encode, updated
-from palpate.store.records import FileItem, Recording, Series
+from palpate.store.records import Channel, FileItem, Recording, Series
 
 __all__ = ["FORMAT", "JOURNAL", "LOG", "FolderWriter", "checksum", "write_folder"]
 
@@ -59,18 +59,19 @@ class FolderWriter:
 
     def add_series(self, series: Series) -> None:
         """Add a series; its arrays are copied."""
-        channels, plain = [], []
+        kept = replace(series, channels=tuple(map(_copied, series.channels)))
+        self.write_series(kept)
+        self.recording = replace(self.recording, series=(*self.recording.series, kept))
+
+    def write_series(self, series: Series) -> None:
+        """Write a series of a recording that need not fit into memory, and forget it: such a one ends by `end_as`."""
+        plain = []
         for channel in series.channels:
-            values = np.array(canonical_array(channel.values))
-            time_s = None if channel.time_s is None else np.array(canonical_array(channel.time_s))
-            channels.append(replace(channel, values=values, time_s=time_s))
             about = {name: getattr(channel, name) for name in ("name", "quantity", "unit")}
             rate_hz = None if channel.rate_hz is None else float(channel.rate_hz)
-            plain.append({**about, "rate_hz": rate_hz, "values": self._array(values), "time_s": self._array(time_s)})
+            arrays = {name: self._array(getattr(channel, name)) for name in ("values", "time_s")}
+            plain.append({**about, "rate_hz": rate_hz, **arrays})
         self._line({"series": {"name": series.name, "channels": plain}})
-        self.recording = replace(
-            self.recording, series=(*self.recording.series, replace(series, channels=tuple(channels)))
-        )
 
     def add_file(self, item: FileItem) -> None:
         """Add a file; it is copied."""
@@ -106,6 +107,11 @@ class FolderWriter:
             sync_tree(self.folder)
         return self.recording
 
+    def end_as(self, digest: str) -> None:
+        """Write the last line of a recording whose digest is known."""
+        self._line({"end": digest})
+        self.close()
+
     def close(self) -> None:
         """Close the files; what was written stays."""
         self._journal.close()
@@ -118,7 +124,7 @@ class FolderWriter:
     def _array(self, array: NDArray[Any] | None) -> dict[str, Any] | None:
         if array is None:
             return None
-        name = self._new_name(".npy")
+        name, array = self._new_name(".npy"), canonical_array(array)
         # numpy.save takes three times as many calls of the system
         with self._opened(name) as file:
             _write_all(file, _npy_header(array.dtype, array.shape))
@@ -132,6 +138,11 @@ class FolderWriter:
     def _new_name(self, ending: str) -> str:
         self._written += 1
         return f"{self._written:04d}{ending}"
+
+
+def _copied(channel: Channel) -> Channel:
+    time_s = None if channel.time_s is None else np.array(canonical_array(channel.time_s))
+    return replace(channel, values=np.array(canonical_array(channel.values)), time_s=time_s)
 
 
 def write_folder(recording: Recording, folder: Path, *, sync: bool = True) -> None:

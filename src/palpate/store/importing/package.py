@@ -17,7 +17,7 @@ from palpate.store.importing.kept import Folder, InMemory, Kept
 from palpate.store.importing.reading_folder import read_kept
 from palpate.store.records import Recording
 
-__all__ = ["LARGEST_BYTES", "pack", "unpack"]
+__all__ = ["LARGEST_BYTES", "pack", "pack_folder", "unpack"]
 
 LARGEST_BYTES = 4 << 30
 """What a package may hold at most when it is unpacked, unless told."""
@@ -29,9 +29,14 @@ FOLDERS, UNNAMED = frozenset("/\\:"), ("", ".", "..")
 
 def pack(recording: Recording, file: IO[bytes]) -> None:
     """Write a recording as a package."""
-    with TemporaryDirectory() as name, ZipFile(file, "w", ZIP_DEFLATED, compresslevel=1) as package:
-        folder = Path(name)
-        write_folder(recording, folder, sync=False)
+    with TemporaryDirectory() as name:
+        write_folder(recording, Path(name), sync=False)
+        pack_folder(Path(name), file)
+
+
+def pack_folder(folder: Path, file: IO[bytes]) -> None:
+    """Write the folder of a recording as a package."""
+    with ZipFile(file, "w", ZIP_DEFLATED, compresslevel=1) as package:
         for path in sorted(folder.iterdir()):
             package.write(path, path.name)
 
