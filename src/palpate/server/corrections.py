@@ -14,13 +14,12 @@ from palpate.server.plausible import check_plausible
 from palpate.server.problems import problem
 from palpate.server.security.accounts import Account, Role
 from palpate.store.audit import ADDED, CHANGED, MERGED, UNDOABLE, Change
-from palpate.store.changing_seen import ChangedMeanwhileError, change_seen, seen_history
+from palpate.store.changing_seen import ChangedMeanwhileError, change_seen, seen_history, undo_seen
 from palpate.store.entries import Entry
 from palpate.store.merging import merge_things, split_thing
 from palpate.store.records import ThingRef
 from palpate.store.store import Store
 from palpate.store.things import Thing
-from palpate.store.undoing import undo
 from palpate.store.visible_things import is_all_theirs, visible_thing
 
 __all__ = ["Corrections", "may_change"]
@@ -80,9 +79,9 @@ class Corrections:
         split_thing(self.store, self.thing.ref, who=self.who.name)
 
     def undo(self) -> None:
-        """Take back the last change that holds."""
+        """Take back the last change that holds and is seen."""
         self._check(self.thing.ref)
-        undo(self.store, self.thing.ref, who=self.who.name)
+        undo_seen(self.store, self.who.viewer, self.thing.ref, who=self.who.name)
 
     def history(self) -> list[Change]:
         """Who changed what, the last first."""

@@ -74,11 +74,12 @@ def note(connection: Connection, thing_id: int | None, what: str, detail: Any, w
     connection.execute(insert(schema.audit).values(**row))
 
 
-def last_of(connection: Connection, thing_id: int, *what: str) -> Row | None:
-    """The last change of these kinds that was not taken back."""
+def last_of(connection: Connection, thing_id: int, *what: str, among: ColumnElement[bool] | None = None) -> Row | None:
+    """The last change of these kinds that was not taken back; `among`: on `schema.audit`, as to which."""
     audit = schema.audit
     holds = (audit.c.thing_id == thing_id, audit.c.what.in_(what), audit.c.undone_us.is_(None))
-    return connection.execute(select(audit).where(*holds).order_by(audit.c.id.desc()).limit(1)).mappings().first()
+    asked = select(audit).where(*holds) if among is None else select(audit).where(*holds, among)
+    return connection.execute(asked.order_by(audit.c.id.desc()).limit(1)).mappings().first()
 
 
 def change_of(connection: Connection, line: int) -> Change:

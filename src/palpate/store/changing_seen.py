@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from hashlib import sha256
 from typing import Any
 
-from sqlalchemy import or_, select
+from sqlalchemy import ColumnElement, Connection, and_, literal, or_, select
 
 from palpate.store import schema
-from palpate.store.audit import MERGED, Change, history
+from palpate.store.audit import MERGED, Change, history, row_of
 from palpate.store.content import to_json
-from palpate.store.describing import change_thing, fields_of, with_fields
+from palpate.store.database import changing
+from palpate.store.describing import Fields, fields_of, rewrite, with_fields
 from palpate.store.errors import StoreError
+from palpate.store.json_columns import JsonText
 from palpate.store.legible import reading
 from palpate.store.records import ThingRef
 from palpate.store.store import Store
-from palpate.store.things import Thing, is_thing
+from palpate.store.things import Thing, is_thing, things_where
+from palpate.store.undoing import undo
 from palpate.store.viewing import Viewer
 from palpate.store.visible_things import visible_thing
-from palpate.store.visible_words import Part, hidden_parts
+from palpate.store.visible_words import Part, hidden_parts, unsaid
 
-__all__ = ["ChangedMeanwhileError", "change_seen", "seen_history", "version_of"]
+__all__ = ["ChangedMeanwhileError", "change_seen", "seen_history", "undo_seen", "version_of"]
+
+EVERYBODY = Viewer(everything=True)
+"""What somebody has said, whoever hears it."""
 
 
 class ChangedMeanwhileError(StoreError):
@@ -56,10 +62,12 @@ def change_seen(
     ChangedMeanwhileError
         If it has another version now.
     StoreError
-        As of `palpate.store.describing.change_thing`.
+        As of `palpate.store.describing.change_thing`, or if a field would be set of which a person has said something
+        that the viewer does not see.
     """
-
-    def changed(whole: Thing) -> Thing:
+    with changing(store.engine) as connection:
+        row = row_of(connection, "thing", thing)["id"]
+        (whole,) = things_where(connection, is_thing(thing))
         seen = visible_thing(store, viewer, thing.dataset, thing.id)
         if seen is None:
             raise StoreError(f"thing: {thing.dataset}/{thing.id} is not in the store, expected an object that is")
@@ -70,21 +78,54 @@ def change_seen(
             )
         before, after = fields_of(seen), fields_of(edit(seen))
         hidden = {field: value for field, value in fields_of(whole).items() if field not in before}
+        _check_free(connection, row, seen.path, {field: hidden[field] for field in after if field in hidden})
         # what is hidden stands behind what is seen, and gives way to it
-        return with_fields(whole, {**after, **{field: value for field, value in hidden.items() if field not in after}})
+        changed = with_fields(whole, {**after, **{field: hidden[field] for field in hidden if field not in after}})
+        # what holds already without their seeing it is said by them too
+        again = {field: value for field, value in after.items() if _is_same(hidden, field, value)}
+        rewrite(connection, row, whole, changed, who=who, again=again)
+        return changed
 
-    return change_thing(store, thing, changed, who=who)
+
+def _is_same(hidden: Fields, field: tuple[str, ...], value: Any) -> bool:
+    return field in hidden and to_json(hidden[field]) == to_json(value)
+
+
+def _check_free(connection: Connection, row: int, path: str, hidden: Fields) -> None:
+    """Refuse to set what a person has said, whether it is set to the same or not; an alias stands beside others."""
+    parts = {(field, to_json(value)) for field, value in hidden.items() if field[0] != "aliases"}
+    said = parts - unsaid(connection, EVERYBODY, {row: parts})[row]
+    if said:
+        (field, _) = min(said)
+        raise StoreError(
+            f"object {path}: {'.'.join(field)}: somebody has said it where you do not see it, expected a field "
+            "that you see, or that nobody has filled in: ask an administrator to change it"
+        )
+
+
+def undo_seen(store: Store, viewer: Viewer, thing: ThingRef, *, who: str | None = None) -> Change:
+    """As `palpate.store.undoing.undo`, of those changes that a viewer sees."""
+    return undo(store, thing, who=who, among=or_(viewer.hears(), _is_merge_seen(viewer)))
 
 
 def seen_history(store: Store, viewer: Viewer, thing: ThingRef) -> tuple[Change, ...]:
     """What a viewer may know of the changes of an object, the first first."""
-    told = history(store, thing, or_(viewer.hears(holding=False), schema.audit.c.what == MERGED))
+    told = history(store, thing, or_(viewer.hears(holding=False), _is_merge_seen(viewer)))
     with reading(store.engine) as connection:
         row = connection.scalar(select(schema.things.c.id).where(is_thing(thing)))
         if row is None or viewer.everything:
             return told
         hidden = hidden_parts(connection, viewer, {row: {part for one in told for part in _before(one)}})[row]
     return tuple(replace(one, detail=_without(one.detail, hidden)) for one in told)
+
+
+def _is_merge_seen(viewer: Viewer) -> ColumnElement[bool]:
+    """The condition on `schema.audit` that an object was merged into one that a viewer sees."""
+    things, line = schema.things.c, schema.audit.c
+    named = literal('{"into":[') + JsonText(things.dataset) + literal(",") + JsonText(things.name) + literal("]}")
+    seen = select(named).where(or_(viewer.things(), things.id.in_(viewer.heads())))
+    is_merge = line.what == MERGED
+    return is_merge if viewer.everything else and_(is_merge, line.detail.in_(seen))
 
 
 def _before(change: Change) -> Iterator[Part]:
@@ -97,10 +138,12 @@ def _without(detail: Any, hidden: set[Part]) -> Any:
     if not isinstance(detail, list):
         return detail
     return [
-        {
-            name: side
-            for name, side in part.items()
-            if name != "before" or (tuple(part["field"]), to_json(side)) not in hidden
-        }
+        {name: side for name, side in part.items() if name != "before" or not _is_unknown(part, hidden)}
         for part in detail
     ]
+
+
+def _is_unknown(part: Mapping[str, Any], hidden: set[Part]) -> bool:
+    """Whether what was there is hidden, or was when the same was said."""
+    before = to_json(part["before"])
+    return (tuple(part["field"]), before) in hidden or before == to_json(part.get("after"))

@@ -24,7 +24,7 @@ from palpate.store.store import Store
 from palpate.store.texts import check_name
 from palpate.store.things import Image, Known, Thing, is_thing, things_where
 
-__all__ = ["add_thing", "change_thing", "keep_image"]
+__all__ = ["add_thing", "change_thing", "keep_image", "rewrite"]
 
 Fields = Mapping[tuple[str, ...], Any]
 """A description in its smallest parts: where each stands, and what is there."""
@@ -92,13 +92,28 @@ def change_thing(
         row = row_of(connection, "thing", thing)
         (before,) = things_where(connection, is_thing(thing))
         after = edit(before)
-        _check(before, after, is_new=is_new)
-        detail = list(_differences(fields_of(before), fields_of(after)))
-        if detail:
-            admit_known(connection, after)
-            write(connection, row["id"], after)
-            note(connection, row["id"], CHANGED, detail, who)
+        rewrite(connection, row["id"], before, after, who=who, is_new=is_new)
         return after
+
+
+def rewrite(
+    connection: Connection,
+    row: int,
+    before: Thing,
+    after: Thing,
+    *,
+    who: str | None,
+    is_new: bool = True,
+    again: Fields | None = None,
+) -> None:
+    """Change and note what `change_thing` does, in a transaction; `again` holds already, and is said nevertheless."""
+    _check(before, after, is_new=is_new)
+    detail = list(_differences(fields_of(before), fields_of(after)))
+    detail += ({"field": list(field), "before": value, "after": value} for field, value in (again or {}).items())
+    if detail:
+        admit_known(connection, after)
+        write(connection, row, after)
+        note(connection, row, CHANGED, detail, who)
 
 
 def keep_image(store: Store, name: str, media_type: str, data: bytes | Path) -> Image:

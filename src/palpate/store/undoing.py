@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from sqlalchemy import Connection
+from sqlalchemy import ColumnElement, Connection
 
 from palpate.store.audit import MERGED, UNDOABLE, Change, change_of, last_of, row_of, take_back
 from palpate.store.content import to_json
@@ -21,10 +21,21 @@ from palpate.store.things import is_thing, things_where
 __all__ = ["undo"]
 
 
-def undo(store: Store, thing: ThingRef, *, who: str | None = None) -> Change:
+def undo(store: Store, thing: ThingRef, *, who: str | None = None, among: ColumnElement[bool] | None = None) -> Change:
     """Take back the last change of an object that holds: of its description, or that it was merged.
 
     Called again it takes back the one before.
+
+    Parameters
+    ----------
+    store
+        Where it is.
+    thing
+        The object, by dataset and id.
+    who
+        Who decided it, for the audit.
+    among
+        A condition on `schema.audit` as to which changes may be taken back; all unless given.
 
     Returns
     -------
@@ -35,12 +46,13 @@ def undo(store: Store, thing: ThingRef, *, who: str | None = None) -> Change:
     ------
     StoreError
         If it is not in the store, nothing is left to take back, or what was changed is no longer as it was left: a
-        recording has completed the description since, or what was known is in a unit that was taken back.
+        recording has completed the description since, or a change that is not among these has changed it, or what was
+        known is in a unit that was taken back.
     """
     with changing(store.engine) as connection:
         one_at_a_time(connection, MERGE_LOCK)
         row = row_of(connection, "thing", thing)
-        last = last_of(connection, row["id"], *UNDOABLE)
+        last = last_of(connection, row["id"], *UNDOABLE, among=among)
         if last is None:
             raise StoreError(f"thing: {thing.dataset}/{thing.id} has no change to take back, expected one that has")
         if last["what"] == MERGED:
@@ -59,7 +71,9 @@ def _restore(connection: Connection, row: int, thing: ThingRef, detail: list[dic
         field = tuple(one["field"])
         if to_json(fields.get(field)) != to_json(one.get("after")):
             where = f"thing: {thing.dataset}/{thing.id}: {'.'.join(field)}"
-            raise StoreError(f"{where} was completed since by a recording, expected what the change left: set it")
+            raise StoreError(
+                f"{where} was completed since by a recording, or changed, expected what the change left: set it"
+            )
         fields.pop(field, None)
         if "before" in one:
             fields[field] = one["before"]
