@@ -25,6 +25,7 @@ __all__ = ["Address", "PublicAddress", "local_key", "serve"]
 LOCAL_NAMES = ("127.0.0.1", "localhost", "[::1]")
 HOST = re.compile(r"[a-z0-9]([a-z0-9.-]*[a-z0-9])?|[0-9a-f:.]+")
 KEEP_ALIVE_S = 10
+LARGEST_HEADERS_BYTES = 32 << 10
 GRACE_S = 20
 """How long answers may take that are under way when the server is told to stop."""
 FILES = 8192
@@ -159,7 +160,7 @@ def serve(settings: Settings, address: Address, *, workers: int = 1) -> None:
             date_header=True,
             timeout_keep_alive=KEEP_ALIVE_S,
             timeout_graceful_shutdown=GRACE_S,
-            h11_max_incomplete_event_size=32 << 10,
+            h11_max_incomplete_event_size=LARGEST_HEADERS_BYTES,
         )
 
 
