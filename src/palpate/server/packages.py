@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from contextlib import closing
 from hashlib import sha256
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import IO, Any
+from typing import IO
 
-from numpy.typing import NDArray
 from sqlalchemy import select
 
 from palpate.store import schema
@@ -39,8 +38,8 @@ def write_package(store: Store, head: Head, file: IO[bytes]) -> None:
     with TemporaryDirectory() as name:
         with closing(FolderWriter(Path(name), _without_parts(head))) as writer:
             found = sha256(_document(store, head))
-            for array in _written_arrays(store, head, writer):
-                found.update(array.data if array.size else b"")
+            for position in range(len(head.series)):
+                _write_series(store, head, position, writer, found.update)
             _write_files(store, head, writer)
             log = log_of(store, head)
             if log:
@@ -52,15 +51,17 @@ def write_package(store: Store, head: Head, file: IO[bytes]) -> None:
         pack_folder(Path(name), file)
 
 
-def _written_arrays(store: Store, head: Head, writer: FolderWriter) -> Iterator[NDArray[Any]]:
-    """All arrays, as each series is written."""
-    for position in range(len(head.series)):
-        series = series_of(store, head, position)
-        if series is None:
-            raise DamagedError(f"recording {head.id}: series {position} is missing")
-        writer.write_series(series)
-        for channel in series.channels:
-            yield from channel_arrays(channel)
+def _write_series(
+    store: Store, head: Head, position: int, writer: FolderWriter, hashed: Callable[[memoryview | bytes], None]
+) -> None:
+    """Write a series, of which nothing is left in memory when this ends."""
+    series = series_of(store, head, position)
+    if series is None:
+        raise DamagedError(f"recording {head.id}: series {position} is missing")
+    writer.write_series(series)
+    for channel in series.channels:
+        for array in channel_arrays(channel):
+            hashed(array.data if array.size else b"")
 
 
 def _write_files(store: Store, head: Head, writer: FolderWriter) -> None:

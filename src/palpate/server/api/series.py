@@ -33,8 +33,8 @@ LARGEST_VALUES = 2_000_000
 """Samples as text; more of them are to be had as Arrow."""
 LARGEST_READ_BYTES = 128 << 20
 """Of a series, which is unpacked whole before any of it is sent; more are to be had in the recording's package."""
-UNPACKED = 2
-"""While a series is unpacked, all of it is there so many times."""
+UNPACKED = 3
+"""While a series is unpacked it is there so many times: compressed, as bytes, and as numbers."""
 TEXT_BYTES = 100
 """Of a number that is written as JSON."""
 CSV = "text/csv"
