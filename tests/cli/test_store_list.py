@@ -9,7 +9,7 @@ import pytest
 
 from palpate.store.entries import Distribution, Value
 from palpate.store.opening import open_store
-from palpate.store.records import Device, Setup
+from palpate.store.records import Device, Setup, ThingRef
 from tests.store.made_up import squeeze
 
 
@@ -183,3 +183,20 @@ def test_a_store_without_anything_says_so(run: Any, place: Path, tmp_path: Path)
     told = {"list": "recordings", "episodes": "episodes", "objects": "objects", "devices": "devices"}
     for command, what in (told | {"table": "measured values"}).items():
         assert run("store", command, "--store", tmp_path / "empty.sqlite").out == f"no {what} yet\n"
+
+
+def test_hidden_letters_of_older_stores_are_escapes(run: Any, tmp_path: Path) -> None:
+    """In tables and in what a command says; as JSON they are what they were."""
+    place, name = tmp_path / "old.sqlite", "cup\u202e\x1b[2J"
+    with open_store(place) as store:
+        store.put_checked([squeeze(1, thing=ThingRef("lab", name), setup=Setup(gripper=Device("gripper", name)))])
+    where = ("--store", place)
+    for command in ("list", "devices", "objects"):
+        told = run("store", *command.split(), *where).out
+        assert r"cup\u202e\x1b[2J" in told, command
+        assert not {"\u202e", "\x1b"} & set(told), command
+    rows = json.loads(run("store", "list", "--json", *where).out)["recordings"]
+    assert rows[0]["thing"] == name
+    assert r"lab/cup\u202e\x1b[2J" in run("store", "object", "split", f"lab/{name}", *where).err
+    new = run("store", "object", "add", f"lab/new {name}", *where)
+    assert new.err.startswith("palpate: thing.id: letter 8 is U+202E RIGHT-TO-LEFT OVERRIDE, which nobody sees in")

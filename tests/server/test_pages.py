@@ -4,6 +4,7 @@ import re
 from functools import partial
 from html import unescape
 from html.parser import HTMLParser
+from urllib.parse import quote
 
 import pytest
 from fastapi.testclient import TestClient
@@ -13,6 +14,7 @@ from palpate.server.pages.templates import entry_text
 from palpate.store.counting import counted
 from palpate.store.describing import change_thing
 from palpate.store.entries import Bound, Distribution, FailedEntry, Interval, Value
+from palpate.store.errors import StoreError
 from palpate.store.records import Device, Recording, Setup, ThingRef
 from palpate.store.store import Store
 from palpate.store.verifying import verify
@@ -190,9 +192,13 @@ def test_results_in_words(entry: object, expected: str) -> None:
 
 
 def test_long_names_and_those_that_turn_round_stay_in_their_place(client: TestClient, store: Store) -> None:
-    """They are clipped, with the whole in a title, and what stands behind them reads as ever."""
-    turned, device = "\u202e" + "cup" * 1000, Device("gripper", "g" * 5000)
-    store.put(squeeze(7, thing=ThingRef("lab", turned), setup=Setup(gripper=device), visibility="public"))
+    """They are clipped, with the whole in a title; what an older store has kept has escapes, and turns nothing."""
+    name, device = "\u202e" + "cup" * 1000, Device("gripper", "g" * 5000)
+    old = squeeze(7, thing=ThingRef("lab", name), setup=Setup(gripper=device), visibility="public")
+    with pytest.raises(StoreError, match="RIGHT-TO-LEFT OVERRIDE, which nobody sees"):
+        store.put(old)
+    store.put_checked([old])
+    turned = name.replace("\u202e", "\\u202e")
     for address in ("/objects", "/recordings"):
         assert f'<bdi class="name" title="{turned}">{turned}</bdi>' in client.get(address).text
     assert f'<bdi class="name" title="{device.name}">' in client.get("/devices").text
@@ -245,3 +251,33 @@ def test_what_is_asked_twice_stays_asked(client: TestClient, store: Store) -> No
         assert unescape(back) == f"{address}?{'&'.join(asked)}&text=made&limit=1"
         hidden = re.findall(r'<input type="hidden" name="([^"]*)" value="([^"]*)">', again.partition("<h1>")[2])
         assert hidden == [("known", "material:wood"), ("known", "category:cube"), ("limit", "1")]
+
+
+HIDES = "cup\u202e\u2066 1"
+SEEN = "cup\\u202e\\u2066 1"
+
+
+def test_hidden_letters_of_older_stores_are_seen_on_every_page(client: TestClient, store: Store) -> None:
+    """Lists, pages, pictures and figures have escapes; what programs get, and forms send back, is as it was."""
+    thing = ThingRef("lab\u200e", HIDES, "m\u200b", HIDES, aliases=(HIDES,))
+    setup = Setup(gripper=Device("gripper", HIDES), other=(Device("other", HIDES, HIDES),))
+    old = [squeeze(n, thing=thing, setup=setup, owner=HIDES, visibility="public", log=f"{HIDES}\n") for n in range(3)]
+    store.put_checked(old)
+    address = client.get("/api/v1/objects").json()["items"][0]["url"].removeprefix("/api/v1")
+    pages = ["/", "/objects", "/recordings", address, f"/recordings/{old[0].id}", "/devices", "/benchmark"]
+    pages += [f"/compare?property=elasticity&object=lab%E2%80%8E/{quote(HIDES)}", f"{address}/edit"]
+    for page in pages:
+        found = client.get(page, headers={**HOST, "Accept": "text/html"})
+        assert found.status_code == 200, page
+        without_forms = re.sub(r'value="[^"]*"|<textarea.*?</textarea>', "", found.text, flags=re.DOTALL)
+        assert not {"\u202e", "\u2066", "\u200e", "\u200b"} & set(without_forms), page
+    assert SEEN in client.get(address).text
+    assert f'<pre class="log" tabindex="0">{SEEN}\n' in client.get(f"/recordings/{old[0].id}").text
+    assert client.get(f"/api/v1{address}").json()["aliases"] == [HIDES]
+    form = client.get(f"{address}/edit", headers=HOST).text
+    assert f'name="common_name" value="{HIDES}"' in form
+    assert HIDES in form.partition("<textarea")[2].partition("</textarea>")[0]
+    figures = re.findall(r'data-figure="([^"]*)"', client.get(address).text)
+    assert figures
+    for figure in figures:
+        assert "\\u202e" not in client.get(unescape(figure)).text.replace("\\\\u202e", "")

@@ -48,6 +48,9 @@ def made_episode(*recordings: Recording, number: int = 0, stop: str | None = Non
 
 texts = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=8)
 names = texts.filter(bool)
+# of what people and programs call things by, whose letters are all seen
+HIDDEN: Any = ["Cs", "Cc", "Cf", "Zl", "Zp"]
+shown = st.text(st.characters(exclude_categories=HIDDEN), min_size=1, max_size=8)
 finite = st.floats(allow_nan=False, allow_infinity=False, width=32)
 json_values = st.recursive(
     st.none() | st.booleans() | st.integers(-(2**60), 2**60) | finite | texts,
@@ -97,7 +100,7 @@ def entries(draw: st.DrawFn) -> Entry:
 
 @st.composite
 def devices(draw: st.DrawFn, kind: str) -> Device:
-    return Device(kind, draw(names), draw(st.none() | texts), draw(attributes), draw(attributes))
+    return Device(kind, draw(shown), draw(st.none() | shown), draw(attributes), draw(attributes))
 
 
 @st.composite
@@ -120,10 +123,10 @@ def recordings(draw: st.DrawFn) -> Recording:
     files = st.builds(FileItem, names, st.just("image/png"), st.binary(max_size=20))
     return Recording(
         recorded_at=draw(moments),
-        action=draw(names),
-        thing=ThingRef(draw(names), draw(names), draw(st.none() | names), draw(st.none() | names), draw(attributes)),
+        action=draw(shown),
+        thing=ThingRef(draw(shown), draw(shown), draw(st.none() | shown), draw(st.none() | shown), draw(attributes)),
         setup=draw(setups()),
-        owner=draw(st.none() | texts),
+        owner=draw(st.none() | shown),
         licence=draw(st.none() | texts),
         visibility=draw(st.sampled_from(["private", "lab", "public"])),
         embargoed_until=draw(st.none() | embargoes),

@@ -44,6 +44,15 @@ REFUSED = [
     ({"thing": ThingRef("", "a")}, "thing.dataset: is empty"),
     ({"thing": ThingRef("a", "b", attributes={"x": float("inf")})}, "thing.attributes.x: found inf"),
     ({"thing": ThingRef("a", "b", attributes=[])}, "thing.attributes: found list, expected names"),  # type: ignore[arg-type]
+    ({"action": "a\n"}, r"action: letter 2 is U\+000A a control, which nobody sees in 'a\\n'; expected"),
+    ({"owner": "a\u200bnn"}, r"owner: letter 2 is U\+200B ZERO WIDTH SPACE, which nobody sees"),
+    ({"thing": ThingRef("\u202eycb", "a")}, r"thing.dataset: letter 1 is U\+202E RIGHT-TO-LEFT OVERRIDE"),
+    ({"thing": ThingRef("ycb", "a\u2066")}, r"thing.id: letter 2 is U\+2066 LEFT-TO-RIGHT ISOLATE"),
+    ({"thing": ThingRef("ycb", "a", "b\u200f")}, r"thing.maker: letter 2 is U\+200F RIGHT-TO-LEFT MARK"),
+    ({"thing": ThingRef("ycb", "a", None, "\u00ad")}, r"thing.common_name: letter 1 is U\+00AD SOFT HYPHEN"),
+    ({"thing": ThingRef("ycb", "a", aliases=("b\x1b",))}, r"thing.aliases\[0\]: letter 2 is U\+001B"),
+    ({"setup": Setup(gripper=Device("gripper", "\ufeffx"))}, r"setup.gripper.name: letter 1 is U\+FEFF"),
+    ({"setup": Setup(other=(Device("other", "x", "a\u200db"),))}, r"setup.other\[0\].maker: letter 2 is U\+200D"),
     ({"thing": ThingRef("a", "b", aliases=("",))}, r"thing.aliases\[0\]: is empty"),
     ({"setup": Setup(arm=GRIPPER)}, "setup.arm.kind: found 'gripper', expected 'arm'"),
     ({"setup": Setup(other=(Device("hand", "x"),))}, r"setup.other\[0\].kind: found 'hand'"),
@@ -153,3 +162,14 @@ def test_the_digest_sees_every_sample() -> None:
     assert one.digest != squeeze(series=one_channel(values=np.nextafter(values, 9.0))).digest
     assert one.digest != squeeze(series=one_channel(values=values.astype(np.float32))).digest
     assert one.digest != squeeze(series=one_channel(values=values, time_s=values)).digest
+
+
+def test_what_a_store_has_kept_may_have_hidden_letters() -> None:
+    """They were taken before; and names in any script, emoji among them, are taken now."""
+    old = squeeze(
+        thing=ThingRef("\u202eycb", "a\n"), owner="a\u200bnn", setup=Setup(gripper=Device("gripper", "\u2069"))
+    )
+    check(old, is_new=False)
+    book = "\u06a9\u062a\u0627\u0628\u200c\u062e\u0627\u0646\u0647"
+    named = ThingRef("dílna", book, "東京", "\U0001f469\u200d\U0001f52c cup", aliases=("é", "no\u00a0break"))
+    check(squeeze(thing=named, setup=Setup(gripper=Device("gripper", "हिन्दी\u200dक"))))

@@ -15,7 +15,7 @@ from palpate.store.store import Store
 from palpate.store.things import Thing, find_thing
 from palpate.store.undoing import undo
 from palpate.store.verifying import verify
-from tests.store.made_up import attributes, entries, names, squeeze
+from tests.store.made_up import attributes, entries, names, shown, squeeze
 
 MUG = ThingRef("made_up", "mug")
 
@@ -57,7 +57,7 @@ def test_changes_are_undone_last_first(filled: Store) -> None:
 @given(st.data())
 def test_any_changes_can_be_undone(local: Store, data: st.DataObject) -> None:
     """After any changes, as many undoings give back what was there, and the store verifies."""
-    thing = ThingRef("any", data.draw(names))
+    thing = ThingRef("any", data.draw(shown))
     local.put(squeeze(data.draw(st.integers(0, 10**6)), thing=thing, entries=()))
     states = [fields_of(find_thing(local, f"any/{thing.id}"))]
     for _ in range(data.draw(st.integers(1, 3))):
@@ -75,10 +75,10 @@ def test_any_changes_can_be_undone(local: Store, data: st.DataObject) -> None:
 @st.composite
 def edits(draw: st.DrawFn) -> Any:
     described = {
-        "maker": draw(st.none() | names),
-        "common_name": draw(st.none() | names),
+        "maker": draw(st.none() | shown),
+        "common_name": draw(st.none() | shown),
         "attributes": draw(attributes),
-        "aliases": tuple(draw(st.lists(names, max_size=2, unique=True))),
+        "aliases": tuple(draw(st.lists(shown, max_size=2, unique=True))),
     }
     known = draw(st.lists(st.tuples(entries(), names), max_size=2))
 

@@ -49,5 +49,7 @@ def _run(arguments: list[str] | None) -> int:
 def _refuse(reason: str) -> int:
     """Say in one line what is wrong with the input."""
     # a name that was typed or read may hold line breaks
-    print("palpate:", " ".join(reason.split()), file=sys.stderr)
+    from palpate.invisible import shown
+
+    print("palpate:", shown(" ".join(reason.split())), file=sys.stderr)
     return 2

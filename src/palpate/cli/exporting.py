@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from palpate.cli.storing import check_name
 from palpate.errors import PalpateError, plural
+from palpate.invisible import shown
 
 if TYPE_CHECKING:
     from palpate.store.exporting.publication import Terms
@@ -115,6 +116,6 @@ def tell_written(folder: Path, written: Written) -> None:
     if written.withheld:
         print(f"- {plural(written.withheld, 'recording')} left out, not public (--include-private takes them too)")
     for notice in written.notices[:SHOWN]:
-        print(f"- {notice}")
+        print(shown(f"- {notice}"))
     if len(written.notices) > SHOWN:
         print(f"- and {len(written.notices) - SHOWN} more")

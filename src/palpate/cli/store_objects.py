@@ -9,6 +9,7 @@ import typer
 
 from palpate.cli.spreading import spread
 from palpate.cli.store_options import Place
+from palpate.invisible import shown
 
 __all__ = ["app", "objects"]
 
@@ -89,7 +90,7 @@ def add(
         raise PalpateError(f"{path!r} was found, expected DATASET/NAME")
     with place.opened(make=True) as store:
         new = add_thing(store, ThingRef(dataset, name), who=who_of(who))
-    print(f"{path}: {'added' if new else 'is there already'}")
+    print(shown(f"{path}: {'added' if new else 'is there already'}"))
 
 
 @app.command("set")
@@ -133,7 +134,7 @@ def set_(
             )
 
         changed = change_thing(store, thing.ref, edit, who=who_of(who))
-    print(f"{thing.path}: {'changed' if changed != thing else 'nothing to change'}")
+    print(shown(f"{thing.path}: {'changed' if changed != thing else 'nothing to change'}"))
 
 
 # a number below zero is no option
@@ -165,10 +166,10 @@ def know(
         thing = find_thing(store, name)
         check_fits(store, entry, value.strip())
         change_thing(store, thing.ref, lambda found: found.knowing(entry, source), who=who_of(who))
-    print(f"{thing.path}: {entry_words(entry)} ({source})")
+    print(shown(f"{thing.path}: {entry_words(entry)} ({source})"))
     for one in thing.known:
         if (one.entry.property, one.source) == (property_, source) and one.entry != entry:
-            print(f"- in place of {entry_words(one.entry)}")
+            print(shown(f"- in place of {entry_words(one.entry)}"))
 
 
 @app.command("forget")
@@ -195,7 +196,7 @@ def forget(
                 f"{thing.path}: nothing is known of {property_!r}{f' from {source!r}' if source else ''}"
             )
         change_thing(store, thing.ref, lambda found: found.without(property_, source), who=who_of(who))
-    print(f"{thing.path}: {plural(len(thing.known) - len(left.known), 'item')} forgotten")
+    print(shown(f"{thing.path}: {plural(len(thing.known) - len(left.known), 'item')} forgotten"))
 
 
 @app.command("merge")
@@ -214,7 +215,7 @@ def merge(
     with place.opened() as store:
         thing, other = find_thing(store, name), find_thing(store, into)
         merge_things(store, thing.ref, other.ref, who=who_of(who))
-    print(f"{thing.path} counts as {other.path}")
+    print(shown(f"{thing.path} counts as {other.path}"))
 
 
 @app.command("split")
@@ -228,7 +229,7 @@ def split(name: Name, place: Place, who: Who = None) -> None:
     with place.opened() as store:
         thing = find_thing(store, name)
         split_thing(store, thing.ref, who=who_of(who))
-    print(f"{thing.path} is an object of its own")
+    print(shown(f"{thing.path} is an object of its own"))
 
 
 @app.command("undo")
@@ -244,6 +245,6 @@ def undo(name: Name, place: Place, who: Who = None) -> None:
         thing = find_thing(store, name)
         change = take_back(store, thing.ref, who=who_of(who))
     by = "" if change.who is None else f" by {change.who}"
-    print(f"{thing.path}: taken back what was {change.what}{by} at {change.at:%Y-%m-%d %H:%M:%S} UTC")
+    print(shown(f"{thing.path}: taken back what was {change.what}{by} at {change.at:%Y-%m-%d %H:%M:%S} UTC"))
     for line in change_lines(change.detail):
-        print(f"- {line}")
+        print(shown(f"- {line}"))

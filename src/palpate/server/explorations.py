@@ -16,7 +16,7 @@ from palpate.server.problems import problem, problem_of_store
 from palpate.server.receiving import check_owner
 from palpate.server.security.accounts import Account, Role
 from palpate.server.state import State
-from palpate.store.checks import check_moment
+from palpate.store.checks import check_moment, check_thing
 from palpate.store.episodes import StoredEpisode, StoredStep, check_episode
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.importing.items import Fate
@@ -85,6 +85,7 @@ def begin(state: State, who: Account, episode: StoredEpisode) -> tuple[int, bool
         check_owner(episode, who)
         if episode_is_there(state.store, episode.id):
             return _known(state, who, episode), False
+        check_thing(episode.thing, is_new=True)
         receipt = put_episode(state.store, episode, uploader=who.name)
     except UnavailableError:
         raise

@@ -24,6 +24,7 @@ from palpate.store.texts import (
     check_number,
     check_numbers,
     check_text,
+    check_visible,
 )
 
 __all__ = ["check", "check_embargo", "check_entry", "check_moment", "check_thing", "check_unit", "check_unit_of"]
@@ -60,10 +61,10 @@ def check(
     Raises
     ------
     StoreError
-        Naming the field: an empty name, an unknown unit or one of another dimension, a number that is not finite,
-        probabilities that do not sum to one, channels that do not fit together, a time in the future or without a
-        time zone, a result that is said to be true and cannot be, a file that is not there, a value that JSON cannot
-        hold, more than one measurement says.
+        Naming the field: an empty name, one with a letter that nobody sees, an unknown unit or one of another
+        dimension, a number that is not finite, probabilities that do not sum to one, channels that do not fit
+        together, a time in the future or without a time zone, a result that is said to be true and cannot be, a file
+        that is not there, a value that JSON cannot hold, more than one measurement says.
 
     Examples
     --------
@@ -78,13 +79,15 @@ def check(
         check_amounts(recording)
     check_moment("recorded_at", recording.recorded_at, now or datetime.now(UTC))
     check_name("action", recording.action)
-    check_thing(recording.thing)
+    check_thing(recording.thing, is_new=is_new)
     _check_setup(recording.setup)
     if recording.visibility not in VISIBILITIES:
         raise StoreError(f"visibility: found {recording.visibility!r}; {choices(VISIBILITIES)}")
     check_embargo(recording.embargoed_until)
     for field in ("owner", "licence", "software", "repository"):
         check_text(field, getattr(recording, field))
+    if is_new:
+        _check_visible(recording)
     check_json("grasp", recording.grasp)
     _check_pose("gripper_pose", recording.gripper_pose)
     _check_pose("object_pose", recording.object_pose)
@@ -121,8 +124,21 @@ def check_embargo(moment: datetime | None) -> None:
         raise StoreError(f"embargoed_until: found the year {moment.year}, expected one after 1970 and before 9999")
 
 
-def check_thing(thing: ThingRef) -> None:
-    """Refuse a description of an object that cannot be kept."""
+def _check_visible(recording: Recording) -> None:
+    """Refuse names of which a part is hidden; what a store has kept may be older than this."""
+    setup = recording.setup
+    devices = [(f"setup.{kind}", getattr(setup, kind)) for kind in DEVICE_KINDS[:-1]]
+    devices += [(f"setup.other[{place}]", device) for place, device in enumerate(setup.other)]
+    check_visible("action", recording.action)
+    check_visible("owner", recording.owner)
+    for where, device in devices:
+        if device is not None:
+            check_visible(f"{where}.name", device.name)
+            check_visible(f"{where}.maker", device.maker)
+
+
+def check_thing(thing: ThingRef, *, is_new: bool = False) -> None:
+    """Refuse a description of an object that cannot be kept; where it is new, also one with a hidden letter."""
     check_name("thing.dataset", thing.dataset)
     check_name("thing.id", thing.id)
     check_text("thing.maker", thing.maker)
@@ -132,6 +148,11 @@ def check_thing(thing: ThingRef) -> None:
     check_json("thing.attributes", thing.attributes)
     for place, alias in enumerate(thing.aliases):
         check_name(f"thing.aliases[{place}]", alias)
+    if is_new:
+        names = {name: getattr(thing, name) for name in ("dataset", "id", "maker", "common_name")}
+        names |= {f"aliases[{place}]": alias for place, alias in enumerate(thing.aliases)}
+        for name, text in names.items():
+            check_visible(f"thing.{name}", text)
 
 
 def _check_setup(setup: Setup) -> None:

@@ -21,11 +21,13 @@ from palpate.store.records import ThingRef
 from palpate.store.registry import Lookup, Registry, thing_row
 from palpate.store.rows import most_probable
 from palpate.store.store import Store
-from palpate.store.texts import check_name
+from palpate.store.texts import check_name, check_visible
 from palpate.store.things import Image, Known, Thing, is_thing, things_where
 
 __all__ = ["add_thing", "change_thing", "keep_image", "rewrite"]
 
+NAMES = ("maker", "common_name", "aliases")
+"""Fields that an object is known by."""
 Fields = Mapping[tuple[str, ...], Any]
 """A description in its smallest parts: where each stands, and what is there."""
 
@@ -43,7 +45,7 @@ def add_thing(store: Store, thing: ThingRef, *, who: str | None = None) -> bool:
     StoreError
         If the description cannot be kept.
     """
-    check_thing(thing)
+    check_thing(thing, is_new=True)
     with changing(store.engine) as connection:
         if next(things_where(connection, is_thing(thing)), None) is not None:
             return False
@@ -180,6 +182,12 @@ def _check(before: Thing, after: Thing, *, is_new: bool) -> None:
     if (before.ref.dataset, before.ref.id) != (after.ref.dataset, after.ref.id):
         raise StoreError(f"thing: {before.path} became {after.path}, expected dataset and name to stay: merge objects")
     check_thing(after.ref)
+    if is_new:
+        # what was said before may be older than this, and stays
+        same = {field: text for field, text in fields_of(before).items() if field[0] in NAMES}
+        for (kind, *_), text in fields_of(after).items():
+            if kind in NAMES and text not in same.values():
+                check_visible(f"thing.{kind}", text)
     # what was known before may be older than a dimension that everybody knows by now
     for one in (one for one in after.known if one not in before.known):
         where = f"known {one.entry.property}"

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+from palpate.invisible import hidden_letter
 from palpate.store.errors import StoreError
 
-__all__ = ["check_encoding", "check_json", "check_name", "check_number", "check_numbers", "check_text"]
+__all__ = ["check_encoding", "check_json", "check_name", "check_number", "check_numbers", "check_text", "check_visible"]
 
 DEEPEST = 100
 LARGEST_SI = 1e100
@@ -40,6 +41,13 @@ def check_name(where: str, text: object) -> None:
     if not text:
         raise StoreError(f"{where}: is empty, expected a name")
     check_text(where, text)
+
+
+def check_visible(where: str, text: object) -> None:
+    """Refuse a name that looks like another one, or turns what stands around it; None is none."""
+    hidden = hidden_letter(text) if isinstance(text, str) else None
+    if hidden is not None:
+        raise StoreError(f"{where}: {hidden}, which nobody sees in {text!r}; expected a name of letters that show")
 
 
 def check_text(where: str, text: object) -> None:

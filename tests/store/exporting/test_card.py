@@ -75,7 +75,7 @@ def test_another_licence_has_a_name(local: Store, tmp_path: Path) -> None:
 def test_odd_names_do_not_break_the_card(local: Store, tmp_path: Path) -> None:
     """Whatever objects and units are called, each row of a table has as many cells as its head."""
     thing = ThingRef("a|b", "x\ny", common_name="---\n| <script>")
-    local.put(public(1, thing=thing, entries=(Value("p | q", 1.0),)))
+    local.put_checked([public(1, thing=thing, entries=(Value("p | q", 1.0),))])
     written(local, HuggingFace(), tmp_path / "given")
     text = (tmp_path / "given" / "README.md").read_text(encoding="utf-8")
     for part in re.findall(r"(?:^\|.*\n)+", text, flags=re.MULTILINE):

@@ -36,6 +36,7 @@ def squeeze(**fields: Any) -> Recording:
     return Recording(**{**given, **fields})
 
 
+shown = st.text(st.characters(exclude_categories=["Cs", "Cc", "Cf", "Zl", "Zp"]), min_size=1, max_size=12)
 words = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), min_size=1, max_size=12)
 numbers = st.floats(allow_nan=False, allow_infinity=False, width=64)
 # of results, in any of their units: a store keeps none that is more than 1e100 in SI units
@@ -85,7 +86,7 @@ def all_series(draw: st.DrawFn) -> tuple[Series, ...]:
 
 def devices(kind: str) -> st.SearchStrategy[Device]:
     return st.builds(
-        Device, st.just(kind), words, st.none() | words, tables, tables, st.none() | st.dates().map(date.isoformat)
+        Device, st.just(kind), shown, st.none() | shown, tables, tables, st.none() | st.dates().map(date.isoformat)
     )
 
 
@@ -95,10 +96,10 @@ def recordings(draw: st.DrawFn) -> Recording:
     names = draw(st.lists(words, unique=True, max_size=3))
     return Recording(
         recorded_at=draw(st.datetimes(datetime(1971, 1, 1), datetime(2024, 1, 1), timezones=st.just(UTC))),
-        action=draw(words),
-        thing=draw(st.builds(ThingRef, words, words, st.none() | words, st.none() | words, tables)),
+        action=draw(shown),
+        thing=draw(st.builds(ThingRef, shown, shown, st.none() | shown, st.none() | shown, tables)),
         setup=draw(st.builds(Setup, arm=st.none() | devices("arm"), other=st.tuples(devices("other")))),
-        owner=draw(st.none() | words),
+        owner=draw(st.none() | shown),
         visibility=draw(st.sampled_from(["private", "lab", "public"])),
         ground_truth=draw(st.booleans()),
         grasp=draw(st.none() | tables),

@@ -14,9 +14,11 @@ from urllib.parse import urlencode
 from fastapi import Request
 from fastapi.responses import HTMLResponse
 from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
 from starlette.datastructures import QueryParams
 
 from palpate import __version__
+from palpate.invisible import shown
 from palpate.server.names import thing_address
 from palpate.server.pages.bundles import bokeh_address
 from palpate.server.pages.changes import change_text
@@ -59,13 +61,24 @@ def _environment() -> Environment:
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        finalize=_finalized,
     )
     found.filters |= {"number": number, "day": _day, "moment": _moment, "entry": entry_text, "plural": _plural}
     found.filters["change"] = partial(change_text, entry_text=entry_text)
-    found.filters |= {"grasp": grasp_text, "maybe": _maybe}
+    found.filters |= {"grasp": grasp_text, "maybe": _maybe, "exact": _exact}
     found.globals |= {"thing_url": _thing_url, "asset": _asset, "version": __version__, "with_query": _with_query}
     found.globals |= {"search": search, "bokeh_address": bokeh_address, "now": _now}
     return found
+
+
+def _finalized(value: Any) -> Any:
+    """What a page shows of a value: letters that nobody sees, and that turn what stands around them, as escapes."""
+    return shown(value) if isinstance(value, str) and not hasattr(value, "__html__") else value
+
+
+def _exact(value: object) -> Markup:
+    """A text as it is, for what a form sends back."""
+    return escape(value)
 
 
 def entry_text(entry: Entry) -> str:

@@ -7,6 +7,7 @@ from math import floor, isfinite, log10
 
 from markupsafe import Markup, escape
 
+from palpate.invisible import shown
 from palpate.server.plots.scale import Scale
 
 __all__ = ["Drawing", "number", "with_sd"]
@@ -64,7 +65,7 @@ class Drawing:
 
     def markup(self) -> Markup:
         """The picture, to stand in a page."""
-        title, box, body = escape(self.title), f"0 0 {self.width} {self.height}", "".join(self._parts)
+        title, box, body = escape(shown(self.title)), f"0 0 {self.width} {self.height}", "".join(self._parts)
         # what is within a picture is hidden from who does not see it, and links must not be
         role = "group" if "<a " in body else "img"
         head = f'<svg class="plot" viewBox="{box}" role="{role}" aria-label="{title}"><title>{title}</title>'
@@ -82,7 +83,7 @@ class Drawing:
     def dot(self, x: float, y: float, kind: str, told: str, link: str | None = None) -> None:
         """A dot that says what it is, and leads somewhere."""
         head = f'<circle cx="{x}" cy="{y}" r="3.5" class="dot {escape(kind)}">'
-        shape = f"{head}<title>{escape(told)}</title></circle>"
+        shape = f"{head}<title>{escape(shown(told))}</title></circle>"
         self._parts.append(shape if link is None else f'<a href="{escape(link)}">{shape}</a>')
 
     def curve(self, points: Iterable[tuple[float, float]], kind: str) -> None:
@@ -103,7 +104,7 @@ class Drawing:
     def text(self, x: float, y: float, words: str, kind: str = "", anchor: str = "start") -> None:
         """Words."""
         head = f'<text x="{x}" y="{y}" class="{escape(kind)}" text-anchor="{escape(anchor)}">'
-        self._parts.append(f"{head}{escape(words)}</text>")
+        self._parts.append(f"{head}{escape(shown(words))}</text>")
 
     def across_axis(self, across: Scale, top: float, bottom: float, label: str) -> None:
         """Ticks below, lines up from them, and what it is."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from palpate.invisible import shown
 from palpate.server.plots.colours import page_colours
 from palpate.server.plots.drawing import COLOURS
 from palpate.server.plots.plot import Curve, Look, Plot, thinned
@@ -69,7 +70,7 @@ def _empty(plot: Plot) -> figure:
         sizing_mode="stretch_width",
         x_range=Range1d(start=across.low, end=across.high),
         y_range=Range1d(start=up.low, end=up.high),
-        x_axis_label=PlainText(text=plot.across),
+        x_axis_label=PlainText(text=shown(plot.across)),
         tools="",
         toolbar_location="above",
         min_border_left=round(LEFT_OF_ROWS if plot.rows else LEFT),
@@ -79,16 +80,18 @@ def _empty(plot: Plot) -> figure:
     if plot.rows:
         places = {(row.top + row.bottom) / 2: _named(row.name, row.note) for row in plot.rows}
         found.yaxis.ticker = FixedTicker(ticks=list(places))
-        found.yaxis.major_label_overrides = {place: PlainText(text=name) for place, name in places.items()}
+        found.yaxis.major_label_overrides = {place: PlainText(text=shown(name)) for place, name in places.items()}
     else:
-        found.yaxis.axis_label = PlainText(text=plot.up or "")
+        found.yaxis.axis_label = PlainText(text=shown(plot.up or ""))
     return found
 
 
 def _title(note: str, colours: Colours) -> Title:
     from bokeh.models.annotations import Title
 
-    return Title(text=note, align="right", text_color=colours["faint"], text_font_style="normal", text_font_size="12px")
+    return Title(
+        text=shown(note), align="right", text_color=colours["faint"], text_font_style="normal", text_font_size="12px"
+    )
 
 
 def _named(name: str, note: str) -> str:
@@ -128,8 +131,9 @@ def _add_points(found: figure, plot: Plot, colours: Colours) -> None:
     from bokeh.models import ColumnDataSource, TapTool
 
     columns: dict[str, Any] = {
-        name: [getattr(one, name) for one in plot.points] for name in ("x", "y", "low", "high", "told", "link")
+        name: [getattr(one, name) for one in plot.points] for name in ("x", "y", "low", "high", "link")
     }
+    columns["told"] = [shown(one.told) for one in plot.points]
     columns["colour"] = [colours[f"c{one.colour % COLOURS}"] for one in plot.points]
     source = ColumnDataSource(columns)
     _add_bars(found, source)
@@ -156,7 +160,7 @@ def _hover(found: figure, of: GlyphRenderer[Any], told: list[tuple[str, str]]) -
 
 def _literal(text: str) -> str:
     """Words in which no sign stands for a column."""
-    return text.replace("@", "@ ").replace("$", "$ ")
+    return shown(text).replace("@", "@ ").replace("$", "$ ")
 
 
 def _colour(found: figure, colours: Colours) -> None:
