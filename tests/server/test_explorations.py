@@ -212,6 +212,7 @@ NO_BEGINNINGS: list[dict[str, Any]] = [
     {"started_at": "2999-01-01T00:00:00Z"},
     {"started_at": "2024-01-01T00:00:00"},
     {"thing": {"dataset": "", "id": "x"}},
+    {"thing": {"dataset": "lab", "id": "x\u202e"}},
     {"visibility": "everybody"},
     {"more": 1},
 ]
