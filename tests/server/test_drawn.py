@@ -58,8 +58,8 @@ def test_a_page_of_a_recording_reads_so_many_numbers(client: TestClient, store: 
     recording = put(store, wide, *thirds, Series("small", (channel(90),)))
     text = page(client, f"/recordings/{recording.id}")
     assert read == [THIRD, THIRD, 90]
-    assert text.count(f"numbers, and a page reads {MOST_NUMBERS} at most") == 3
-    assert f"it has {MOST_NUMBERS + 400} numbers" in text
+    assert text.count(f"numbers, and a page reads {MOST_NUMBERS:,} at most") == 3
+    assert f"it has {MOST_NUMBERS + 400:,} numbers" in text
     assert text.count('<figure class="wide plotted"') == 3
     assert f'href="/api/v1/recordings/{recording.id}/package">All of the recording' in text
 
@@ -89,7 +89,7 @@ def test_lines_are_fitted_to_so_many_samples(client: TestClient, store: Store) -
 
     recording = put(store, pressed(MOST_FITTED + 1, "long"), *(pressed(MOST_FITTED // 2 - 1, f"{n}") for n in range(3)))
     text = page(client, f"/recordings/{recording.id}")
-    assert text.count(f"a page fits lines to {MOST_FITTED} samples at most") == 2
+    assert text.count(f"a page fits lines to {MOST_FITTED:,} samples at most") == 2
     assert text.count("The squeeze, and the line fitted") == 2
     figures = [client.get(f"/recordings/{recording.id}/series/{place}/squeeze.json") for place in (0, 3)]
     assert [one.status_code for one in figures] == [404, 200]
@@ -128,7 +128,7 @@ def test_curves_over_each_other_read_so_many_numbers(client: TestClient, store: 
     text = page(client, f"/compare?property=mass&object=lab/mug&{chosen}")
     assert read == [THIRD, THIRD]
     assert text.count("/package") == 3
-    assert f"a page reads {MOST_NUMBERS} numbers at most" in text
+    assert f"a page reads {MOST_NUMBERS:,} numbers at most" in text
     assert f'href="/api/v1/recordings/{found[-1].id}/package"' in text
     del read[:]
     assert client.get(f"/compare/curves.json?{chosen}").status_code == 200

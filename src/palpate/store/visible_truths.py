@@ -19,11 +19,10 @@ def properties_with_truth(store: Store, viewer: Viewer) -> tuple[str, ...]:
     """
     entries, recordings = schema.entries.c, schema.recordings
     said, units = schema.thing_properties.c, schema.properties.c
-    measured = (
-        select(entries.property)
-        .join(recordings, recordings.c.id == entries.recording_id)
-        .where(recordings.c.ground_truth == true(), viewer.of(recordings))
-        .where(entries.property.is_not(None), entries.value_si.is_not(None))
+    # few recordings are known to be true: to find these first takes a tenth of looking up the one of each result
+    known = select(recordings.c.id).where(recordings.c.ground_truth == true(), viewer.of(recordings))
+    measured = select(entries.property).where(
+        entries.recording_id.in_(known), entries.property.is_not(None), entries.value_si.is_not(None)
     )
     # what is said with a label is no number
     told = select(said.property).where(said.label.is_(None))

@@ -43,7 +43,7 @@ MOST_PLOTS = 12
 MOST_SERIES = MOST_FILES = 60
 """That a page has; of each file the beginning is read."""
 LARGEST_SHOWN = 50 << 20
-TOO_LONG = f"Stress over strain is not drawn: a page fits lines to {MOST_FITTED} samples at most of all that it draws."
+TOO_LONG = f"Stress over strain is not drawn: a page fits lines to {MOST_FITTED:,} samples at most in all."
 SAMPLE_BYTES = 2
 """Of a number in a sound file, at least."""
 
