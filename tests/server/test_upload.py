@@ -665,6 +665,9 @@ def test_previews_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # what is being read takes no place yet, and of that there are not more either
     unread = [others.new("ann's session", "ann") for _ in range(MOST_OF_ACCOUNT + 1)]
     assert [one is not None and one.folder.exists() for one in unread] == [False] + [True] * MOST_OF_ACCOUNT
+    assert unread[0] is not None
+    others.admit(unread[0])
+    assert not unread[0].folder.exists()
     assert previews.get(first.id, "ann's session") is not None
     assert waiting(others, "ann").dropped == 1
     assert previews.get(first.id, "ann's session") is None

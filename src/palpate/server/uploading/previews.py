@@ -80,6 +80,9 @@ class Previews:
 
         Where nothing of it can be kept it takes no place, and what became of it is told as of one that was kept.
         """
+        if not preview.is_read:
+            # newer ones of the account took its place before it was read to the end
+            return
         own = [one for one in self._all() if _account(one) == _account(preview) and one.id != preview.id]
         found = preview.found()
         if any(one["digest"] is not None or one["episode"] is not None for one in found):
