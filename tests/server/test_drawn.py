@@ -16,6 +16,7 @@ from palpate.store.records import Channel, FileItem, Recording, Series, ThingRef
 from palpate.store.store import Store
 from tests.store.made_up import squeeze
 
+pytestmark = pytest.mark.parametrize("store", ["sqlite"], indirect=True)
 THIRD = MOST_NUMBERS // 3 + 1
 
 

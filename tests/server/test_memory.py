@@ -32,6 +32,7 @@ from tests.server.serving import listening
 from tests.store.made_up import squeeze
 
 API = "/api/v1/recordings"
+ONE_KIND = pytest.mark.parametrize("store", ["sqlite"], indirect=True)
 MB = 1 << 20
 
 
@@ -49,6 +50,7 @@ def addresses(recording: Recording) -> list[str]:
     return [*forms, f"{series}/channels/0/sound", f"{API}/{recording.id}/package", page, *figures]
 
 
+@ONE_KIND
 def test_what_reads_samples_takes_memory_and_gives_it_back(store: Store) -> None:
     """Each of them is told to ask again where others have it, and leaves nothing taken behind."""
     sound = Channel("sound", "sound pressure", "Pa", np.arange(4000, dtype=np.int16), rate_hz=8000.0)
@@ -68,6 +70,7 @@ def test_what_reads_samples_takes_memory_and_gives_it_back(store: Store) -> None
         assert client.get(f"{API}/{recording.id}").status_code == 200
 
 
+@ONE_KIND
 def test_memory_is_held_until_the_last_byte(store: Store) -> None:
     """Who reads slowly keeps it, as samples are there so long; who goes away gives it back."""
     values = np.random.default_rng(1).normal(size=300_000)
@@ -119,6 +122,7 @@ def test_a_package_is_made_with_one_part_in_memory(store: Store, tmp_path: Path)
     assert (found.id, found.visibility, found.log, len(found.files)) == (recording.id, "public", recording.log, 12)
 
 
+@ONE_KIND
 def test_a_package_of_damaged_samples_is_none(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
     """What is stored is verified as a whole before any of it is sent."""
     recording = squeeze(visibility="public")
@@ -140,6 +144,7 @@ def test_a_package_of_damaged_samples_is_none(store: Store, monkeypatch: pytest.
         write_package(store, head, io.BytesIO())
 
 
+@ONE_KIND
 def test_a_package_with_a_very_large_series_is_for_accounts(
     store: Store, token: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -14,6 +14,7 @@ from palpate.server.settings import Settings
 from palpate.store.store import Store
 
 ASKED = "/api/v1/recordings"
+ONE_KIND = pytest.mark.parametrize("store", ["sqlite"], indirect=True)
 Headers = dict[str, str]
 Token = Callable[..., Headers]
 
@@ -29,6 +30,7 @@ def codes(client: TestClient, times: int, headers: Headers | None = None) -> lis
     return [client.get(ASKED, headers=headers).status_code for _ in range(times)]
 
 
+@ONE_KIND
 def test_who_sends_a_token_may_ask_more_often(slow: TestClient, token: Token) -> None:
     """The first request is the address's, and the others the account's, which also ends."""
     mine = token("ann")
@@ -40,6 +42,7 @@ def test_who_sends_a_token_may_ask_more_often(slow: TestClient, token: Token) ->
     assert 0 < int(refused.headers["retry-after"]) <= 2
 
 
+@ONE_KIND
 def test_tokens_of_an_account_share_its_rate(store: Store, slow: TestClient, token: Token) -> None:
     """Making more of them lets nobody ask more often; another account has a rate of its own."""
     mine, others = token("ann"), token("bob", Role.READER)
@@ -58,6 +61,7 @@ INVENTED = {
 }
 
 
+@ONE_KIND
 @pytest.mark.parametrize("header", INVENTED.values(), ids=INVENTED.keys())
 def test_what_is_no_token_is_an_address_that_asks(
     slow: TestClient, monkeypatch: pytest.MonkeyPatch, header: str
@@ -75,6 +79,7 @@ def test_what_is_no_token_is_an_address_that_asks(
     assert len(looked) <= 2
 
 
+@ONE_KIND
 def test_a_token_that_was_revoked_lets_nobody_in(store: Store, slow: TestClient, token: Token) -> None:
     """That it was right a moment ago is only for counting."""
     mine = token("ann")
