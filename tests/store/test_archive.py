@@ -12,19 +12,24 @@ from hypothesis import strategies as st
 
 from palpate.store.archive import export_archive
 from palpate.store.content import file_digest
+from palpate.store.describing import change_thing
 from palpate.store.errors import DamagedError, StoreError
 from palpate.store.filters import Filter
 from palpate.store.importing.intake import import_paths
 from palpate.store.importing.items import Fate
 from palpate.store.importing.own_formats import Archives
 from palpate.store.keeping_episodes import get_episode, put_episode
+from palpate.store.listing import list_recordings
 from palpate.store.listing_episodes import list_episodes
 from palpate.store.matching import ids_matching
 from palpate.store.opening import open_store
 from palpate.store.reading_archive import archive_rows, read_archive
-from palpate.store.records import FileItem, Recording
+from palpate.store.records import FileItem, Recording, ThingRef
 from palpate.store.store import Store
+from palpate.store.things import find_thing
 from palpate.store.verifying import verify
+from palpate.store.viewing import Viewer, VisibleFilter
+from palpate.store.visible_things import ThingFilter, list_visible_things, visible_thing
 from tests.store.made_up import made_episode, recordings, squeeze
 
 MADE = [squeeze(1, log="said"), squeeze(2, files=(FileItem("cam0.png", "image/png", b"picture"),)), squeeze(3)]
@@ -59,6 +64,33 @@ def test_any_recordings_survive_an_archive(local: Store, tmp_path: Path, made: l
     export_archive(local, tmp_path / "archive")
     found = {recording.digest for recording in read_archive(tmp_path / "archive")}
     assert {recording.digest for recording in made} <= found
+
+
+def test_an_archive_tells_nobody_more_than_the_store(store: Store, tmp_path: Path) -> None:
+    """Of an object that not all see whole each recording says what it said, and the object is all that it was."""
+    cup = ThingRef("lab", "cup")
+    store.put(squeeze(1, thing=replace(cup, maker="Acme", common_name="beaker", aliases=("pot",)), owner="ann"))
+    change_thing(store, cup, lambda thing: thing.described(maker="Zeus"), who="ann")
+    store.put(squeeze(2, thing=replace(cup, aliases=("mug", "pot")), visibility="public"))
+    store.put(squeeze(3, thing=replace(cup, maker="Brown", attributes={"colour": "red"}), visibility="public"))
+    whole = find_thing(store, "lab/cup")
+    words = ("acme", "zeus", "beaker", "pot", "mug", "red", "a")
+
+    def told(place: Store, viewer: Viewer) -> list[object]:
+        texts = [VisibleFilter(text=word, viewer=viewer) for word in words]
+        lists = [list_visible_things(place, viewer, ThingFilter(text=word)).rows for word in words]
+        thing = visible_thing(place, viewer, "lab", "cup")
+        return [thing, lists, [len(list_recordings(place, one).rows) for one in texts]]
+
+    export_archive(store, tmp_path / "archive")
+    with open_store(tmp_path / "other.sqlite", durable=False) as other:
+        assert {one.fate for one in import_paths(other, [tmp_path / "archive"], [Archives()])} == {Fate.NEW}
+        restored = find_thing(other, "lab/cup")
+        assert (restored.ref, restored.known) == (whole.ref, whole.known)
+        for viewer in (Viewer(), Viewer("eve", lab=True)):
+            assert told(other, viewer) == told(store, viewer)
+            assert "pot" in str(told(other, viewer)), "what a public recording says is seen"
+        assert list(verify(other)) == []
 
 
 def test_a_selection_is_exported(store: Store, tmp_path: Path) -> None:

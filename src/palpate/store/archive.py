@@ -28,6 +28,7 @@ from palpate.errors import plural
 from palpate.store import schema
 from palpate.store.archive_episodes import EPISODES, episodes_with, write_episodes
 from palpate.store.archive_rows import entries_schema, entry_row, recording_row, recordings_schema
+from palpate.store.archive_said import things_said
 from palpate.store.archive_things import OBJECTS, things_with, write_things
 from palpate.store.blobs import FolderBlobs
 from palpate.store.content import file_digest, to_json
@@ -136,7 +137,9 @@ def _write_recordings(
         ParquetWriter(folder / "entries.parquet", entries_schema(), compression="zstd") as entries,
     ):
         for batch in selection.batches():
-            _write_rows(heads, recordings_schema(), [recording_row(recording) for recording in batch])
+            said = things_said(selection.connection, batch)
+            rows = [recording_row(recording, said.get(recording.digest)) for recording in batch]
+            _write_rows(heads, recordings_schema(), rows)
             rows = [counted(entry_row(recording, entry), units) for recording in batch for entry in recording.entries]
             _write_rows(entries, entries_schema(), rows)
             for item in (item for recording in batch for item in recording.files):

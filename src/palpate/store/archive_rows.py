@@ -15,7 +15,7 @@ from palpate.store.decoding import Stored, recording_from, setup_from, thing_fro
 from palpate.store.entries import Entry
 from palpate.store.errors import DamagedError
 from palpate.store.filters import digest_bytes
-from palpate.store.records import Recording, visibility_now
+from palpate.store.records import Recording, ThingRef, visibility_now
 from palpate.store.rows import entry_columns, gripper_of
 
 if TYPE_CHECKING:
@@ -47,15 +47,15 @@ def entries_schema() -> pyarrow.Schema:
     return pa.schema([*columns, ("recorded_at", pa.timestamp("us", tz="UTC")), ("ground_truth", pa.bool_())])
 
 
-def recording_row(recording: Recording) -> dict[str, Any]:
-    """The row of a recording."""
+def recording_row(recording: Recording, said: ThingRef | None = None) -> dict[str, Any]:
+    """The row of a recording; `said`: its object, described as it shall be there, where that is otherwise."""
     return {
         **_shared(recording),
         "id": str(recording.id),
         "digest": recording.digest,
         # what else there is of an embargo stands in the manifest, as earlier versions would not heed it
         "visibility": visibility_now(recording.visibility, recording.embargoed_until),
-        "thing": to_json(thing_plain(recording.thing)),
+        "thing": to_json(thing_plain(said or recording.thing)),
         "setup": to_json(setup_plain(recording.setup)),
         "document": recording.document,
         "series": [
