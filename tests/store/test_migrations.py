@@ -281,7 +281,8 @@ def test_descriptions_are_filled_from_words(place: str, engine: Engine, tmp_path
     with open_store(place, tmp_path / "blobs") as store:
         hidden = replace(BOX, common_name="Big\nBox", maker="Acme", aliases=("case",))
         store.put(squeeze(1000, thing=BOX, visibility="public", notices=("case",)))
-        store.put_many([squeeze(1001, thing=hidden), squeeze(1002, thing=replace(BOX, aliases=("case", "Pot")))])
+        store.put_checked([squeeze(1001, thing=hidden)])
+        store.put_many([squeeze(1002, thing=replace(BOX, aliases=("case", "Pot")))])
         store.put(squeeze(1003, thing=replace(BOX, maker="Acme"), visibility="public"))
     before = described_in(engine)
     migrate(engine, "0006")
