@@ -9,7 +9,7 @@ from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.compiler import SQLCompiler
 from sqlalchemy.sql.functions import FunctionElement
 
-__all__ = ["Holds", "HoldsText", "JsonText", "each_text"]
+__all__ = ["Holds", "HoldsText", "JsonText", "Tells", "each_text"]
 
 
 class Holds(FunctionElement[bool]):
@@ -32,6 +32,36 @@ def _sqlite_part(element: Holds, compiler: SQLCompiler, **options: Any) -> str:
 def _postgresql_part(element: Holds, compiler: SQLCompiler, **options: Any) -> str:
     column, part = (compiler.process(one, **options) for one in element.clauses)
     return f"(strpos({column}, {part}) > 0)"
+
+
+class Tells(FunctionElement[bool]):
+    """Whether a line of the audit tells this, as JSON, of a field of this kind: in one item, not in parts of several.
+
+    What only looks like an item, within what somebody has said, is none. A line that is damaged tells nothing.
+    """
+
+    type = Boolean()
+    inherit_cache = True
+
+    def __init__(self, line: ColumnElement[str], kind: str, after: ColumnElement[str]) -> None:
+        super().__init__(line, bindparam(None, kind, type_=String()), after)
+
+
+@compiles(Tells, "sqlite")
+def _sqlite_tells(element: Tells, compiler: SQLCompiler, **options: Any) -> str:
+    line, kind, after = (compiler.process(one, **options) for one in element.clauses)
+    is_told = f"json_extract(item.value, '$.field[0]') = {kind} AND item.value -> '$.after' = {after}"
+    told = f"EXISTS (SELECT 1 FROM json_each({line}) AS item WHERE item.type = 'object' AND {is_told})"
+    # few lines hold the text at all, and only these are taken apart
+    return f"(CASE WHEN instr({line}, {after}) > 0 AND json_valid({line}) THEN {told} ELSE 0 END)"
+
+
+@compiles(Tells, "postgresql")
+def _postgresql_tells(element: Tells, compiler: SQLCompiler, **options: Any) -> str:
+    line, kind, after = (compiler.process(one, **options) for one in element.clauses)
+    is_told = f"item -> 'field' ->> 0 = {kind} AND item -> 'after' = CAST({after} AS jsonb)"
+    told = f"EXISTS (SELECT 1 FROM jsonb_array_elements(CAST({line} AS jsonb)) AS item WHERE {is_told})"
+    return f"(CASE WHEN strpos({line}, {after}) > 0 AND left({line}, 1) = '[' THEN {told} ELSE false END)"
 
 
 class HoldsText(FunctionElement[bool]):

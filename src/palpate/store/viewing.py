@@ -16,13 +16,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
-from sqlalchemy import ColumnElement, Select, Table, and_, exists, false, func, literal, not_, or_, select, true, union
+from sqlalchemy import ColumnElement, Select, Table, and_, exists, false, func, not_, or_, select, true, union
 
 from palpate.store import schema
 from palpate.store.completing import ADDED, CHANGED, OF_ARCHIVES
 from palpate.store.embargo import is_over
 from palpate.store.filters import Filter, each_label, things_named
-from palpate.store.json_columns import Holds
+from palpate.store.json_columns import Tells
 from palpate.store.registry import now_us
 from palpate.store.sayings import knows_name
 
@@ -144,7 +144,7 @@ def known_things(viewer: Viewer, name: str, label: str) -> Select[int]:
     entries, recordings = schema.entries.c, schema.recordings
     told = select(said.thing_id).where(said.property == name, said.label == label)
     if not viewer.everything:
-        heard = Holds(schema.audit.c.detail, literal('"after":') + said.document)
+        heard = Tells(schema.audit.c.detail, "known", said.document)
         by_person = exists().where(schema.audit.c.thing_id == things.c.id, viewer.hears(), heard)
         told = told.join(things, things.c.id == said.thing_id).where(or_(by_person, viewer.sees_all()))
     found = union(
