@@ -9,7 +9,12 @@ __all__ = ["hidden_letter", "shown"]
 HIDDEN = ("Cc", "Cf", "Zl", "Zp")
 """Categories of Unicode: controls, what turns or joins the text around it, and ends of lines and paragraphs."""
 JOINERS = "\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}"
-"""Between letters of scripts that need them, and within emoji, they change what is seen."""
+"""After letters of scripts that need them, and within emoji, they change what is seen."""
+TAGS, FLAG = {chr(number) for number in range(0xE0020, 0xE0080)}, "\N{WAVING BLACK FLAG}"
+"""After it they tell of which country it is."""
+LONGEST_FLAG = 8
+SIGNS = {*map(chr, range(0x600, 0x606)), "\u06dd", "\u070f", "\u08e2"}
+"""Those that stand below numbers, and are seen."""
 LINES = "\n\r\t"
 
 
@@ -49,6 +54,16 @@ def shown(text: str) -> str:
 def _is_hidden(text: str, place: int) -> bool:
     letter = text[place]
     if letter in JOINERS:
-        beside = text[place - 1 : place] + text[place + 1 : place + 2]
-        return len(beside) < 2 or not all(one > "\x7f" and one not in JOINERS for one in beside)
-    return category(letter) in HIDDEN
+        before = text[place - 1 : place]
+        # words of some languages end in one
+        return before <= "\x7f" or before in JOINERS
+    if letter in TAGS:
+        return not _is_of_flag(text, place)
+    return category(letter) in HIDDEN and letter not in SIGNS
+
+
+def _is_of_flag(text: str, place: int) -> bool:
+    start = place
+    while start > max(0, place - LONGEST_FLAG) and text[start - 1] in TAGS:
+        start -= 1
+    return text[start - 1 : start] == FLAG

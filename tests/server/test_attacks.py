@@ -148,6 +148,18 @@ def test_cursors_that_no_database_can_look_for(
     assert (found.status_code, found.json()["errors"][0]["field"]) == (422, "query.cursor"), found.text
 
 
+def test_a_page_that_ends_at_a_long_name_has_a_next_one(client: TestClient, store: Store) -> None:
+    """Letters of other scripts take up to twelve each in a cursor, which is taken as it was given."""
+    names = [one * 200 for one in "日本語"]
+    store.put_many([squeeze(n, thing=ThingRef(name, name), visibility="public") for n, name in enumerate(names)])
+    found, address = [], f"{API}/objects?limit=1"
+    while address:
+        page = client.get(address).json()
+        found += [one["name"] for one in page["items"]]
+        address = f"{API}/objects?limit=1&cursor={page['next']}" if page["next"] else ""
+    assert sorted(found) == sorted(names)
+
+
 @pytest.mark.parametrize("asked", ["known=%00:a", "known=material:w%00d", "known=%ED%A0%80:a", "text=%ED%A0%80"])
 @pytest.mark.parametrize("resource", ["recordings", "objects"])
 def test_texts_that_no_database_can_look_for(client: TestClient, resource: str, asked: str) -> None:

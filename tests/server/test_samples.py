@@ -175,6 +175,7 @@ def test_whole_numbers_of_both_signs_are_exact() -> None:
     channels = (
         kept([-1, -BEYOND], np.int64),
         Channel("id", "id", None, np.array([2**64 - 1] * 2, np.uint64), rate_hz=10.0),
+        Channel("contact", "contact", None, np.array([True, False]), rate_hz=10.0),
     )
     table = pa.ipc.open_stream(b"".join(arrow_pieces(Series("clock", channels)))).read_all()
-    assert list(map(int, table["value"].to_pylist())) == [-1, -BEYOND, 2**64 - 1, 2**64 - 1]
+    assert list(map(int, table["value"].to_pylist())) == [-1, -BEYOND, 2**64 - 1, 2**64 - 1, 1, 0]

@@ -100,3 +100,13 @@ def test_where_all_is_seen_all_is_known(store: Store) -> None:
     assert shown(store, PUBLIC) == TOLD
     put_episode(store, made_episode(public(1), number=1, thing=TOLD))
     assert shown(store, PUBLIC) == replace(TOLD, attributes={})
+
+
+@pytest.mark.parametrize("viewer", [Viewer(everything=True), PUBLIC])
+@pytest.mark.parametrize("word", ["éclair", "ÉCLAIR", "ÖKOFORM", "äp", "Ömug"])
+def test_words_are_found_in_any_case_of_any_alphabet(store: Store, viewer: Viewer, word: str) -> None:
+    """By all that is seen, whoever said it, also by the own name of an object."""
+    store.put(squeeze(0, thing=ThingRef("lab", "Éclair", "Ökoform", "Äpfel"), visibility="public"))
+    said = ThingRef("lab", "Éclair")
+    change_thing(store, said, lambda thing: thing.described(aliases=("ömug",)), who="cy")
+    assert len(list_visible_things(store, viewer, ThingFilter(text=word)).rows) == 1

@@ -105,6 +105,10 @@ def _pool(address: URL) -> dict[str, Any]:
     return {"pool_size": CONNECTIONS, "max_overflow": CONNECTIONS, "pool_use_lifo": True} if is_file else {}
 
 
+def _lower(text: str | bytes | float | None) -> str | bytes | float | None:
+    return text.lower() if isinstance(text, str) else text
+
+
 def _sqlite(address: URL, *, durable: bool, cache_bytes: int) -> Engine:
     path = address.database
     uri = None if path in (None, "", ":memory:") else read_only_uri(Path(path))
@@ -129,6 +133,8 @@ def _sqlite(address: URL, *, durable: bool, cache_bytes: int) -> Engine:
             raise DamagedError(f"{told}; expected the SQLite file that was written") from None
         connection.execute(f"PRAGMA synchronous = {synchronous}")
         connection.execute("PRAGMA foreign_keys = ON")
+        # that of SQLite leaves all but the letters of English as they are
+        connection.create_function("lower", 1, _lower, deterministic=True)
         connection.execute(f"PRAGMA cache_size = -{cache_bytes >> 10}")
         connection.execute(f"PRAGMA wal_autocheckpoint = {CHECKPOINT_PAGES}")
 

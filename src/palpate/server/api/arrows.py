@@ -98,7 +98,9 @@ def _numbers(values: NDArray[Any], schema: pyarrow.Schema, *, is_whole: bool) ->
     """The column of values, and that of whole numbers where there is one."""
     import pyarrow as pa
 
-    given, value = pa.array(values), schema.field("value").type
+    # what is true or false is a number here, which pyarrow does not make of it for each type
+    plain = values.astype(np.int8) if values.dtype.kind == "b" else values
+    given, value = pa.array(plain), schema.field("value").type
     # some whole numbers are rounded to doubles, and stand exactly beside these
     yield pa.array(values.astype(np.float64)) if value == pa.float64() else given.cast(value)
     if WHOLE in schema.names:

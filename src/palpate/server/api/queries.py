@@ -49,7 +49,9 @@ def _place(cursor: str) -> str:
 
 
 Text = Annotated[str, Field(max_length=500), AfterValidator(_plain)]
-CursorText = Annotated[Text, AfterValidator(_place)]
+LONGEST_CURSOR = 8_000
+"""It holds the name at which a page ends, each letter as up to twelve."""
+CursorText = Annotated[str, Field(max_length=LONGEST_CURSOR), AfterValidator(_plain), AfterValidator(_place)]
 Moment = Annotated[datetime, BeforeValidator(_no_bare_number), AfterValidator(_in_utc)]
 Pair = Annotated[str, Field(max_length=500, pattern=r"^[^:\x00]+:[^\x00]+$", examples=["material:wood"])]
 
