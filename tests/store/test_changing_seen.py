@@ -135,3 +135,53 @@ def test_merges_name_what_is_seen(mixed: Store) -> None:
     assert [one.detail for one in seen_history(mixed, CARL, CUP)] == [{"into": ["secret", "plan"]}]
     merge_things(mixed, CUP, PLAN, who="root")
     assert undo_seen(mixed, CARL, CUP).what == "merged"
+
+
+def opposed(store: Store) -> None:
+    """Of the cup a hidden recording says something else than one that all see."""
+    store.put(squeeze(1, thing=replace(CUP, maker="Acme", common_name="beaker"), owner="ann"))
+    store.put(squeeze(2, thing=replace(CUP, maker="Foo", common_name="mug", aliases=("pot",)), visibility="public"))
+
+
+def test_what_is_left_alone_stays_as_it_is(store: Store) -> None:
+    """Though something else is shown of it to who changes a field beside it."""
+    opposed(store)
+    whole = find_thing(store, "lab/cup").ref
+    change_seen(store, CARL, CUP, lambda thing: thing.described(attributes={"colour": "red"}), who="carl")
+    assert find_thing(store, "lab/cup").ref == replace(whole, attributes={"colour": "red"})
+    expected = replace(CUP, maker="Foo", common_name="mug", attributes={"colour": "red"}, aliases=("pot",))
+    assert seen(store) == fields_of(Thing(expected))
+
+
+def test_a_common_name_that_is_shown_is_changed(store: Store) -> None:
+    """For all, where no person has said the one that is hidden, and back again."""
+    opposed(store)
+    before, whole = seen(store), find_thing(store, "lab/cup").ref
+    change_seen(store, CARL, CUP, lambda thing: thing.described(common_name="jug"), who="carl")
+    assert seen(store) == {**before, ("common_name",): "jug"}
+    assert find_thing(store, "lab/cup").ref == replace(whole, common_name="jug")
+    undo_seen(store, CARL, CUP)
+    assert (seen(store), find_thing(store, "lab/cup").ref) == (before, whole)
+
+
+def test_what_is_taken_away_of_what_is_shown_leaves_what_is_hidden(store: Store) -> None:
+    """No recording says it again, and it shows again once that is taken back."""
+    opposed(store)
+    before, whole = seen(store), find_thing(store, "lab/cup").ref
+    bare = {"maker": None, "common_name": None, "aliases": ()}
+    change_seen(store, CARL, CUP, lambda thing: thing.described(**bare), who="carl")
+    store.put(squeeze(3, thing=replace(CUP, maker="Foo", aliases=("pot",)), visibility="public"))
+    assert seen(store) == {}
+    assert find_thing(store, "lab/cup").ref == replace(whole, aliases=("mug",))
+    undo_seen(store, CARL, CUP)
+    assert (seen(store), find_thing(store, "lab/cup").ref) == (before, replace(whole, aliases=("mug", "pot")))
+
+
+def test_what_a_person_has_said_where_it_is_not_seen_is_not_replaced(store: Store) -> None:
+    """Though something else is shown in its place."""
+    store.put(squeeze(1, thing=CUP, owner="ann"))
+    described(store, "ann", maker="Acme")
+    store.put(squeeze(2, thing=replace(CUP, maker="Foo"), visibility="public"))
+    assert seen(store) == {("maker",): "Foo"}
+    with pytest.raises(StoreError, match="maker: somebody has said it where you do not see it"):
+        change_seen(store, CARL, CUP, lambda thing: thing.described(maker="Bar"), who="carl")

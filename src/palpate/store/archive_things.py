@@ -20,6 +20,7 @@ from palpate.store.errors import DamagedError
 from palpate.store.exporting.selection import Selection
 from palpate.store.records import ThingRef
 from palpate.store.things import Image, Known, Thing, things_where
+from palpate.store.visible_things import as_known
 
 if TYPE_CHECKING:
     import pyarrow
@@ -75,7 +76,8 @@ def write_things(selection: Selection, ids: Sequence[int], folder: Path, kept: B
     left: list[str] = []
     with ParquetWriter(folder / OBJECTS, objects_schema()) as writer:
         for part in chunks(ids):
-            things = things_where(selection.connection, schema.things.c.id.in_(part))
+            things = list(things_where(selection.connection, schema.things.c.id.in_(part)))
+            things = as_known(selection.connection, selection.viewer, things)
             rows = [_row(_pictured(thing, selection, kept, left)) for thing in things]
             writer.write_table(pa.Table.from_pylist(rows, schema=objects_schema()))
     return left

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from typing import Any
 
@@ -76,19 +76,50 @@ def change_seen(
                 f"object {seen.path}: was changed since this page was loaded, expected what it says now: look at it "
                 "and save again"
             )
-        before, after = fields_of(seen), fields_of(edit(seen))
-        hidden = {field: value for field, value in fields_of(whole).items() if field not in before}
-        _check_free(connection, row, seen.path, {field: hidden[field] for field in after if field in hidden})
-        # what is hidden stands behind what is seen, and gives way to it
-        changed = with_fields(whole, {**after, **{field: hidden[field] for field in hidden if field not in after}})
-        # what holds already without their seeing it is said by them too
-        again = {field: value for field, value in after.items() if _is_same(hidden, field, value)}
-        rewrite(connection, row, whole, changed, who=who, again=again)
+        edited = _Edit(fields_of(whole), fields_of(seen), fields_of(edit(seen)))
+        _check_free(connection, row, seen.path, edited.covered())
+        changed = with_fields(whole, edited.fields())
+        rewrite(connection, row, whole, changed, who=who, again=edited.again(), gone=edited.gone())
         return changed
 
 
-def _is_same(hidden: Fields, field: tuple[str, ...], value: Any) -> bool:
-    return field in hidden and to_json(hidden[field]) == to_json(value)
+@dataclass(frozen=True)
+class _Edit:
+    """What somebody changes, of a whole description of which they see something else: what they leave alone stays."""
+
+    whole: Fields
+    before: Fields
+    after: Fields
+
+    def fields(self) -> Fields:
+        """The whole as it is then; what is hidden stands behind what is seen, and gives way to what they say."""
+        told = {field: value for field, value in self.after.items() if self._is_changed(field) or field in self.whole}
+        seen = {field: value if self._is_changed(field) else self.whole[field] for field, value in told.items()}
+        rest = {field: value for field, value in self.whole.items() if field not in self.after}
+        return {**seen, **{field: value for field, value in rest.items() if not _is_same(self.before, field, value)}}
+
+    def covered(self) -> Fields:
+        """What they would replace without seeing it."""
+        hidden = (field for field in self.after if field in self.whole and self._is_changed(field))
+        return {field: self.whole[field] for field in hidden if not _is_same(self.before, field, self.whole[field])}
+
+    def again(self) -> Fields:
+        """What holds already without their seeing it: it is said by them too."""
+        return {
+            field: self.after[field] for field, value in self.covered().items() if _is_same(self.after, field, value)
+        }
+
+    def gone(self) -> Sequence[tuple[str, ...]]:
+        """What they take away of what is shown to them, where the whole says nothing of it, or something else."""
+        removed = ((field, value) for field, value in self.before.items() if field not in self.after)
+        return [field for field, value in removed if not _is_same(self.whole, field, value)]
+
+    def _is_changed(self, field: tuple[str, ...]) -> bool:
+        return not _is_same(self.before, field, self.after[field])
+
+
+def _is_same(fields: Fields, field: tuple[str, ...], value: Any) -> bool:
+    return field in fields and to_json(fields[field]) == to_json(value)
 
 
 def _check_free(connection: Connection, row: int, path: str, hidden: Fields) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -107,11 +107,17 @@ def rewrite(
     who: str | None,
     is_new: bool = True,
     again: Fields | None = None,
+    gone: Sequence[tuple[str, ...]] = (),
 ) -> None:
-    """Change and note what `change_thing` does, in a transaction; `again` holds already, and is said nevertheless."""
+    """Change and note what `change_thing` does, in a transaction.
+
+    `again` holds already, and is said nevertheless; of `gone` something else holds, or nothing, and it is taken away
+    from those who hear it.
+    """
     _check(before, after, is_new=is_new)
     detail = list(_differences(fields_of(before), fields_of(after)))
     detail += ({"field": list(field), "before": value, "after": value} for field, value in (again or {}).items())
+    detail += ({"field": list(field)} for field in gone)
     if detail:
         admit_known(connection, after)
         write(connection, row, after)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from sqlalchemy import Boolean, ColumnElement, String, TableValuedAlias, bindparam, column
+from sqlalchemy import Boolean, ColumnElement, String, bindparam
 from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.compiler import SQLCompiler
 from sqlalchemy.sql.functions import FunctionElement
 
-__all__ = ["Holds", "HoldsText", "JsonText", "Tells", "each_text"]
+__all__ = ["Holds", "HoldsText", "JsonText", "Tells", "TextTold"]
 
 
 class Holds(FunctionElement[bool]):
@@ -108,24 +108,27 @@ def _postgresql_json(element: JsonText, compiler: SQLCompiler, **options: Any) -
     return f"CAST(to_json(CAST({text} AS text)) AS text)"
 
 
-class _EachText(FunctionElement[str]):
+class TextTold(FunctionElement[str]):
+    """What a line of the audit says of a field, given what the line says; null where it says nothing of it."""
+
     type = String()
-    name = "each_text"
     inherit_cache = True
 
-
-@compiles(_EachText, "sqlite")
-def _sqlite_each(element: _EachText, compiler: SQLCompiler, **options: Any) -> str:
-    (column,) = (compiler.process(one, **options) for one in element.clauses)
-    return f"json_each({column})"
+    def __init__(self, detail: ColumnElement[str], field: str) -> None:
+        super().__init__(detail, bindparam(None, f'["{field}"]', type_=String()))
 
 
-@compiles(_EachText, "postgresql")
-def _postgresql_each(element: _EachText, compiler: SQLCompiler, **options: Any) -> str:
-    (column,) = (compiler.process(one, **options) for one in element.clauses)
-    return f"jsonb_array_elements_text(CAST({column} AS jsonb))"
+@compiles(TextTold, "sqlite")
+def _sqlite_told(element: TextTold, compiler: SQLCompiler, **options: Any) -> str:
+    detail, field = (compiler.process(one, **options) for one in element.clauses)
+    # what is damaged says nothing
+    each = f"json_each(CASE WHEN json_valid({detail}) THEN {detail} ELSE '[]' END) AS each"
+    is_field = f"json_extract(each.value, '$.field') = {field}"
+    return f"(SELECT json_extract(each.value, '$.after') FROM {each} WHERE {is_field} LIMIT 1)"
 
 
-def each_text(texts: ColumnElement[str]) -> TableValuedAlias:
-    """The texts of a list, as rows of one column, ``value``."""
-    return _EachText(texts).table_valued(column("value", String()))
+@compiles(TextTold, "postgresql")
+def _postgresql_told(element: TextTold, compiler: SQLCompiler, **options: Any) -> str:
+    detail, field = (compiler.process(one, **options) for one in element.clauses)
+    each = f"jsonb_array_elements(CAST({detail} AS jsonb)) AS each"
+    return f"(SELECT each.value ->> 'after' FROM {each} WHERE each.value -> 'field' = CAST({field} AS jsonb) LIMIT 1)"

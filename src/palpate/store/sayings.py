@@ -1,53 +1,52 @@
 """By which words somebody knows an object: conditions that depend on nothing that they do not see.
 
-A word is known where a recording that is seen says it, whatever else is said of the object; where a person has said it
-to who looks, and it still holds; and where all that was done with the object is seen. What is looked for must never be
-compared with what is hidden unless it was seen whole: whoever sends recordings could guess it letter by letter.
+Where all that was done with an object is seen, it is known by its description. Else by what is shown of it, see
+`palpate.store.told_words`: what recordings that are seen say, and persons to who looks. What is looked for must never
+be compared with what is hidden: whoever sends recordings could guess it letter by letter.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from sqlalchemy import Column, ColumnElement, exists, func, literal, or_
+from sqlalchemy import Column, ColumnElement, and_, case, exists, func, literal, not_, or_, select
 
 from palpate.store import schema
 from palpate.store.content import to_json
 from palpate.store.filters import called
-from palpate.store.json_columns import Holds, HoldsText, JsonText, each_text
+from palpate.store.json_columns import Holds, HoldsText, TextTold
 
 if TYPE_CHECKING:
     from palpate.store.viewing import Viewer
 
-__all__ = ["is_seen", "knows_name", "knows_word"]
+__all__ = ["is_seen", "knows_name", "may_know_word"]
 
-NAMED = ("common_name", "maker")
+COMMON_NAME = '"field":["common_name"]}'
 
 
 def knows_name(viewer: Viewer, name: str) -> ColumnElement[bool]:
     """The condition on `schema.things` that somebody knows one by a name: its own, its common one, or an alias."""
     if viewer.everything:
         return called(name)
-    things, said, document = schema.things.c, schema.descriptions.c, literal(to_json(name))
+    things = schema.things.c
     is_own = or_(things.name == name, things.dataset + "/" + things.name == name)
-    described = _is_described(viewer, or_(said.common_name == name, HoldsText(said.aliases, name)))
-    told = or_(
-        (things.common_name == name) & _tells("common_name", document),
-        HoldsText(things.aliases, name) & _tells_alias(document),
-    )
-    return or_(is_own, described, _hears(viewer, told), called(name) & viewer.sees_all())
+    whole = called(name) & viewer.sees_all()
+    return or_(is_own, whole, and_(or_(_describes(viewer, name), _tells(viewer, name)), not_(viewer.sees_all())))
 
 
-def knows_word(viewer: Viewer, word: str) -> ColumnElement[bool]:
-    """The condition on `schema.things` that somebody knows one by a part of a word, in any case."""
+def may_know_word(viewer: Viewer, word: str) -> ColumnElement[bool]:
+    """The condition on `schema.things` that somebody may know one by a part of a word, in any case.
+
+    Where it does not hold they do not. Where it does something that they see says the word, and may hold no more.
+    """
     things, said = schema.things.c, schema.descriptions.c
     is_own = or_(*(_has(things[name], word) for name in ("dataset", "name")))
-    held = or_(*(_has(things[name], word) for name in (*NAMED, "aliases")))
+    held = or_(*(_has(things[name], word) for name in ("common_name", "maker", "aliases")))
     if viewer.everything:
         return or_(is_own, held)
     described = _is_described(viewer, said.words.contains(word.casefold(), autoescape=True))
-    return or_(is_own, described, held & _hears(viewer, or_(*_told(word))), held & viewer.sees_all())
+    told = _hears(viewer, _has(schema.audit.c.detail, to_json(word)[1:-1]))
+    return or_(is_own, described, told, held & viewer.sees_all())
 
 
 def is_seen(viewer: Viewer) -> ColumnElement[bool]:
@@ -70,22 +69,47 @@ def _hears(viewer: Viewer, told: ColumnElement[bool]) -> ColumnElement[bool]:
     return exists().where(schema.audit.c.thing_id == schema.things.c.id, told, viewer.hears())
 
 
-def _told(word: str) -> Iterator[ColumnElement[bool]]:
-    """Conditions on `schema.audit` that a line tells something of which a word is a part, and that still holds."""
-    things, alias = schema.things.c, each_text(schema.things.c.aliases)
-    for name in NAMED:
-        yield _has(things[name], word) & _tells(name, JsonText(things[name]))
-    yield exists().select_from(alias).where(_has(alias.c.value, word), _tells_alias(JsonText(alias.c.value)))
+def _describes(viewer: Viewer, name: str) -> ColumnElement[bool]:
+    """That a recording that is seen calls an object so, and nobody who is heard has replaced or taken that away."""
+    said = schema.descriptions.c
+    by_common = (said.common_name == name) & not_(_hears(viewer, _replaces(viewer, name)))
+    described = _is_described(viewer, or_(HoldsText(said.aliases, name), by_common))
+    alias = _about_alias(name)
+    return and_(described, not_(_last_heard(viewer, alias, not_(_is_alias(name)))))
 
 
-def _tells(field: str, document: ColumnElement[str]) -> ColumnElement[bool]:
-    """That a line gives a field this text, in place of another or of none: keys are in the order of the alphabet."""
-    audit, end = schema.audit.c, f',"field":["{field}"]}}'
-    alone = Holds(audit.detail, literal('{"after":') + document + literal(end))
-    replacing = Holds(audit.detail, literal('{"after":') + document + literal(',"before":'))
-    return or_(alone, replacing & Holds(audit.detail, literal(end)))
+def _tells(viewer: Viewer, name: str) -> ColumnElement[bool]:
+    """That the last who was heard to say what an object is called has called it so."""
+    detail = schema.audit.c.detail
+    common = _last_heard(viewer, Holds(detail, literal(COMMON_NAME)), TextTold(detail, "common_name") == name)
+    return or_(common, _last_heard(viewer, _about_alias(name), _is_alias(name)))
 
 
-def _tells_alias(document: ColumnElement[str]) -> ColumnElement[bool]:
-    said = literal('{"after":') + document + literal(',"field":["aliases",') + document + literal("]}")
-    return Holds(schema.audit.c.detail, said)
+def _last_heard(viewer: Viewer, about: ColumnElement[bool], condition: ColumnElement[bool]) -> ColumnElement[bool]:
+    """That a condition on `schema.audit` holds for the last of the lines that are heard and about something."""
+    line = schema.audit.c
+    holds = select(case((condition, 1), else_=0)).where(line.thing_id == schema.things.c.id, about, viewer.hears())
+    last = holds.order_by(line.id.desc()).limit(1).correlate(schema.things)
+    return func.coalesce(last.scalar_subquery(), 0) == 1
+
+
+def _replaces(viewer: Viewer, name: str) -> ColumnElement[bool]:
+    """The condition on `schema.audit` that a line says something else than the common name that was shown by then."""
+    line, said, recordings = schema.audit.c, schema.descriptions, schema.recordings
+    came = select(said.c.common_name).join(recordings, recordings.c.description_id == said.c.id)
+    came = came.where(said.c.thing_id == line.thing_id, said.c.common_name.is_not(None))
+    came = came.where(recordings.c.uploaded_us <= line.at_us, viewer.of(recordings))
+    first = came.order_by(recordings.c.id).limit(1).correlate(schema.audit)
+    return Holds(line.detail, literal(COMMON_NAME)) & (first.scalar_subquery() == name)
+
+
+def _about_alias(name: str) -> ColumnElement[bool]:
+    return Holds(schema.audit.c.detail, literal(f'"field":["aliases",{to_json(name)}]}}'))
+
+
+def _is_alias(name: str) -> ColumnElement[bool]:
+    """The condition on `schema.audit` that a line says an alias: keys are in the order of the alphabet."""
+    detail, text = schema.audit.c.detail, to_json(name)
+    end = f'"field":["aliases",{text}]}}'
+    said = (f'{{"after":{text},{end}', f'{{"after":{text},"before":{text},{end}')
+    return or_(*(Holds(detail, literal(one)) for one in said))

@@ -67,7 +67,8 @@ def undo(store: Store, thing: ThingRef, *, who: str | None = None, among: Column
 def _restore(connection: Connection, row: int, thing: ThingRef, detail: list[dict[str, Any]]) -> None:
     (now,) = things_where(connection, is_thing(thing))
     fields = dict(fields_of(now))
-    for one in detail:
+    # what was only taken away from those who hear it is not noted with what was there, and shows again by itself
+    for one in (one for one in detail if "before" in one or "after" in one):
         field = tuple(one["field"])
         if to_json(fields.get(field)) != to_json(one.get("after")):
             where = f"thing: {thing.dataset}/{thing.id}: {'.'.join(field)}"

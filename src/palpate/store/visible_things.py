@@ -18,16 +18,17 @@ from palpate.store.describing import Fields, fields_of
 from palpate.store.errors import StoreError
 from palpate.store.legible import reading
 from palpate.store.records import ThingRef
-from palpate.store.sayings import knows_word
+from palpate.store.sayings import may_know_word
 from palpate.store.search_words import search_words
 from palpate.store.store import Store
 from palpate.store.things import Thing, is_thing, things_where
 from palpate.store.viewing import Viewer, known_things
-from palpate.store.visible_words import of_mixed, seen_refs, unsaid
+from palpate.store.visible_words import of_mixed, rows_named, seen_refs, unsaid
 
 __all__ = [
     "ThingFilter",
     "ThingPage",
+    "as_known",
     "count_things",
     "is_all_theirs",
     "list_visible_things",
@@ -70,7 +71,7 @@ class ThingFilter:
         """On `schema.things`."""
         columns = schema.things.c
         for word in search_words(self.text or ""):
-            yield knows_word(viewer, word)
+            yield may_know_word(viewer, word)
         if self.dataset is not None:
             yield columns.dataset == self.dataset
         if self.in_none_of:
@@ -85,6 +86,12 @@ class ThingFilter:
                 .join(schema.recordings, schema.recordings.c.thing_id == schema.things.c.id)
                 .where(*measured)
             )
+
+    def is_told(self, thing: ThingRef) -> bool:
+        """Whether what is shown of an object has each word of the text."""
+        said = (thing.dataset, thing.id, thing.common_name, thing.maker, *thing.aliases)
+        texts = [text.casefold() for text in said if text is not None]
+        return all(any(word.casefold() in text for text in texts) for word in search_words(self.text or ""))
 
     def _measured(self, viewer: Viewer) -> Iterator[ColumnElement[bool]]:
         recordings, entries = schema.recordings, schema.entries.c
@@ -117,20 +124,34 @@ def list_visible_things(
     StoreError
         If the cursor is not of a list of objects.
     """
-    columns = schema.things.c
     asked = _asked(viewer, wanted or ThingFilter())
     if cursor is not None:
-        asked = asked.where(tuple_(columns.dataset, columns.name) > tuple_(*_place(cursor)))
+        asked = asked.where(_is_after(*_place(cursor)))
+    found = list[Thing]()
+    with reading(store.engine) as connection:
+        while len(found) < limit:
+            page = _page(connection, viewer, asked, limit)
+            found += (one for one in page if viewer.everything or wanted is None or wanted.is_told(one.ref))
+            if len(page) < limit:
+                break
+            asked = asked.where(_is_after(page[-1].ref.dataset, page[-1].ref.id))
+    found = found[:limit]
+    end = _cursor(found[-1].ref) if found and len(found) == limit else None
+    return ThingPage(tuple(found), end)
+
+
+def _page(connection: Connection, viewer: Viewer, asked: Select[int], limit: int) -> list[Thing]:
+    columns = schema.things.c
     # in the order of the database, which need not be that of Python: what comes after a cursor is in it too
     name = (columns.dataset, columns.name)
     by_name = asked.with_only_columns(columns.id, *name).order_by(*name).limit(limit)
-    with reading(store.engine) as connection:
-        keys = {(dataset, name): row for row, dataset, name in connection.execute(by_name)}
-        named = {(one.ref.dataset, one.ref.id): one for one in things_where(connection, columns.id.in_(keys.values()))}
-        found = [named[name] for name in keys]
-        seen = _as_seen(connection, viewer, keys, found)
-    end = _cursor(found[-1].ref) if found and len(found) == limit else None
-    return ThingPage(tuple(seen), end)
+    keys = {(dataset, name): row for row, dataset, name in connection.execute(by_name)}
+    named = {(one.ref.dataset, one.ref.id): one for one in things_where(connection, columns.id.in_(keys.values()))}
+    return _as_seen(connection, viewer, keys, [named[name] for name in keys])
+
+
+def _is_after(dataset: str, name: str) -> ColumnElement[bool]:
+    return tuple_(schema.things.c.dataset, schema.things.c.name) > tuple_(dataset, name)
 
 
 def count_things(store: Store, viewer: Viewer) -> int:
@@ -144,7 +165,8 @@ def visible_thing(store: Store, viewer: Viewer, dataset: str, name: str) -> Thin
     seen = or_(viewer.things(), schema.things.c.id.in_(viewer.heads()))
     with reading(store.engine) as connection:
         found = list(things_where(connection, is_thing(ThingRef(dataset, name)) & seen))
-        return next(iter(_as_seen(connection, viewer, _keys(connection, found), found)), None)
+        keys = rows_named(connection, [(one.ref.dataset, one.ref.id) for one in found])
+        return next(iter(_as_seen(connection, viewer, keys, found)), None)
 
 
 def is_all_theirs(store: Store, name: str, thing: ThingRef) -> bool:
@@ -204,22 +226,15 @@ def _as_seen(
             merged=tuple(part for part in one.merged if (part.dataset, part.id) in seen.get(key, ())),
             recordings=counts[key],
         )
-        for key, one in zip(keys.values(), _as_known(connection, viewer, keys, found), strict=True)
+        for key, one in zip(keys.values(), as_known(connection, viewer, found), strict=True)
     ]
 
 
-def _keys(connection: Connection, found: Sequence[Thing]) -> dict[tuple[str, str], int]:
-    """Rows of objects, in their order."""
-    columns, names = schema.things.c, [(one.ref.dataset, one.ref.id) for one in found]
-    asked = select(columns.dataset, columns.name, columns.id).where(tuple_(columns.dataset, columns.name).in_(names))
-    rows = {(dataset, name): key for dataset, name, key in connection.execute(asked)}
-    return {name: rows[name] for name in names}
-
-
-def _as_known(
-    connection: Connection, viewer: Viewer, keys: Mapping[tuple[str, str], int], found: Sequence[Thing]
-) -> list[Thing]:
+def as_known(connection: Connection, viewer: Viewer, found: Sequence[Thing]) -> list[Thing]:
     """Objects with what a viewer may know of each."""
+    if viewer.everything:
+        return list(found)
+    keys = rows_named(connection, [(one.ref.dataset, one.ref.id) for one in found])
     whole = dict(zip(keys.values(), found, strict=True))
     seen = seen_refs(connection, viewer, {key: one.ref for key, one in whole.items()})
     every = {key: {(field, to_json(value)) for field, value in _told(one).items()} for key, one in whole.items()}
@@ -260,6 +275,6 @@ def things_by_name(store: Store, viewer: Viewer, names: Collection[tuple[str, st
         for part in chunks(ordered, AT_ONCE):
             condition = tuple_(columns.dataset, columns.name).in_(part) & seen
             things = list(things_where(connection, condition))
-            for thing in _as_known(connection, viewer, _keys(connection, things), things):
+            for thing in as_known(connection, viewer, things):
                 found[thing.ref.dataset, thing.ref.id] = replace(thing, merged=(), recordings=0)
     return found

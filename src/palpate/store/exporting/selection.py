@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import cached_property
 from typing import Any
 from uuid import UUID
 
@@ -23,6 +24,8 @@ from palpate.store.records import Recording, Setup, ThingRef, visibility_now
 from palpate.store.registry import thing_of
 from palpate.store.seals import sealed_document
 from palpate.store.store import Store
+from palpate.store.viewing import Viewer
+from palpate.store.visible_words import rows_named, seen_refs
 
 __all__ = ["Outline", "Selection"]
 
@@ -101,6 +104,11 @@ class Selection:
         """Those of them that anybody may see."""
         return replace(self, wanted=replace(self.wanted, visibility="public"))
 
+    @cached_property
+    def viewer(self) -> Viewer:
+        """Somebody who sees as much as those to whom recordings of one visibility may be given."""
+        return {"public": Viewer(), "lab": Viewer(lab=True)}.get(self.wanted.visibility or "", Viewer(everything=True))
+
     def count(self) -> int:
         """How many they are."""
         return self.connection.scalar(select(func.count()).select_from(self.rows().subquery())) or 0
@@ -112,8 +120,9 @@ class Selection:
     def outlines(self) -> Iterator[Outline]:
         """Each of them without its arrays and files, in the order in which they came."""
         for ids in self._pages():
-            for row in self.connection.execute(_outlines(ids)).mappings():
-                yield _outline(row)
+            found = [_outline(row) for row in self.connection.execute(_outlines(ids)).mappings()]
+            seen = self._seen([one.thing for one in found])
+            yield from (replace(one, thing=seen[one.thing.dataset, one.thing.id]) for one in found)
 
     def batches(self) -> Iterator[list[Recording]]:
         """All of them, verified, some at a time, in the order in which they came.
@@ -126,11 +135,22 @@ class Selection:
         DamagedError
             If one is not what was put into the store.
         """
-        return ([_sound(one) for one in found] for found in self._read())
+        return (self._shown([_sound(one) for one in found]) for found in self._read())
 
     def damaged(self) -> list[Broken]:
         """Those that are not what was put into the store; this reads all of them."""
         return [one for found in self._read() for one in found if isinstance(one, Broken)]
+
+    def _shown(self, found: Sequence[Recording]) -> list[Recording]:
+        seen = self._seen([one.thing for one in found])
+        return [replace(one, thing=seen[one.thing.dataset, one.thing.id]) for one in found]
+
+    def _seen(self, things: Sequence[ThingRef]) -> Mapping[tuple[str, str], ThingRef]:
+        """Objects by dataset and name, with what may be told of them."""
+        named = {(one.dataset, one.id): one for one in things}
+        rows = {} if self.viewer.everything else rows_named(self.connection, list(named))
+        seen = seen_refs(self.connection, self.viewer, {row: named[name] for name, row in rows.items()})
+        return {**named, **{name: seen[row] for name, row in rows.items()}}
 
     def _read(self) -> Iterator[Iterator[Recording | Broken]]:
         for ids in self._pages():
