@@ -49,8 +49,8 @@ from palpate.cli import main
 from palpate.store.importing import intake
 intake.AT_ONCE = 10
 whole = intake.import_paths
-def interrupted(*arguments):
-    for number, outcome in enumerate(whole(*arguments)):
+def interrupted(*arguments, **named):
+    for number, outcome in enumerate(whole(*arguments, **named)):
         if number == 25:
             os.kill(os.getpid(), signal.SIGINT)
         yield outcome
