@@ -1,5 +1,6 @@
 """The upload form: what comes is shown, and kept when somebody says so; it harms nobody, whatever it is."""
 
+import asyncio
 import io
 import json
 import re
@@ -23,14 +24,15 @@ from palpate.server.app import application
 from palpate.server.pages.allowance import Allowance
 from palpate.server.security.accounts import Role, add_user
 from palpate.server.security.tokens import issue
-from palpate.server.uploading import drawing
-from palpate.server.uploading.preview import Preview
-from palpate.server.uploading.previews import HOLDS_S, MOST_KEPT_OF_ACCOUNT, MOST_OF_ACCOUNT, Previews
+from palpate.server.uploading import drawing, keeping
+from palpate.server.uploading.preview import HOLDS_S, Preview
+from palpate.server.uploading.previews import MOST_KEPT_OF_ACCOUNT, MOST_OF_ACCOUNT, Previews
 from palpate.server.uploading.saving import save
 from palpate.store.archive import export_archive
 from palpate.store.describing import change_thing
 from palpate.store.entries import Distribution, Value
 from palpate.store.episodes import StoredEpisode
+from palpate.store.importing.intake import import_paths
 from palpate.store.keeping_episodes import get_episode, put_episode
 from palpate.store.listing import list_recordings
 from palpate.store.listing_episodes import list_episodes
@@ -794,3 +796,164 @@ def test_a_preview_counts_what_will_be_kept(
         assert "5 recordings are in the store" in found
         assert found.count("was there already") == known
         assert "is that of another recording" in fates(found)["taken.zip"]
+
+
+def test_a_preview_that_was_dropped_while_it_was_saved_stays_dropped(tmp_path: Path) -> None:
+    """Newer ones of the account took its place: nothing of it is made again, and others are not held up."""
+    previews = Previews(tmp_path)
+    first, *_ = (previews.new("ann's session", "ann") for _ in range(MOST_OF_ACCOUNT + 1))
+    assert first is not None
+    with pytest.raises(FileNotFoundError):
+        save(iter([("a.txt", io.BytesIO(b"x"))]), first.sent, 1 << 20)
+    assert not first.folder.exists()
+    first.folder.mkdir()
+    (first.folder / "found.json").write_text(json.dumps([{"digest": "0" * 64, "episode": None}]))
+    assert not previews.admit(first)
+    first.note(dropped=0)
+    assert not (first.folder / "about.json").exists()
+    assert previews.new("kim's session", "kim") is not None
+
+
+def test_an_upload_whose_place_is_taken_is_told(ann: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whether it happens while it is saved or after; the next one of anybody is taken."""
+    previews: Previews = ann.app.state.palpate.previews  # type: ignore[attr-defined]
+
+    def save_late(files: Any, folder: Path, largest: int) -> list[tuple[str, str]]:
+        saved = save(files, folder, largest)
+        previews.drop(folder.parent.name)
+        return saved
+
+    monkeypatch.setattr("palpate.server.pages.upload.save", save_late)
+    found = ann.post("/upload", files=[("files", ("a.zip", package(squeeze(1, owner="ann"))))])
+    assert (found.status_code, "newer ones took its place" in found.text) == (404, True)
+    assert list(previews.root.iterdir()) == []
+    monkeypatch.undo()
+    assert "1 new recording" in send(ann, {"a.zip": package(squeeze(1, owner="ann"))})[1]
+
+
+@pytest.mark.parametrize("damaged", ['{"dropped": 0}', "[]", "", '{"expires": "soon"}', "\ud800"])
+def test_a_damaged_note_holds_up_nobody(tmp_path: Path, damaged: str) -> None:
+    """What it belongs to is over, and is swept."""
+    previews = Previews(tmp_path)
+    made = waiting(previews, "ann")
+    (made.folder / "about.json").write_bytes(damaged.encode("utf-8", "surrogatepass"))
+    assert previews.get(made.id, "ann's session") is None
+    assert waiting(previews, "kim").dropped == 0
+    assert not made.folder.exists()
+
+
+def test_sweeping_goes_on_where_one_cannot_be_looked_at(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """The others are swept, and so they are the next time."""
+    previews = Previews(tmp_path)
+    bad, good = waiting(previews, "ann"), waiting(previews, "ann")
+    read_text = Path.read_text
+
+    def refuse(path: Path, *given: Any, **named: Any) -> str:
+        if bad.id in str(path):
+            raise PermissionError(13, "Permission denied", str(path))
+        return read_text(path, *given, **named)
+
+    monkeypatch.setattr(Path, "read_text", refuse)
+    later = time.time() + HOLDS_S + 1
+    monkeypatch.setattr(time, "time", lambda: later)
+    previews.sweep()
+    assert [path.name for path in tmp_path.iterdir()] == [bad.id]
+    assert "cannot be swept" in caplog.text
+    sweeps = iter([OSError(5, "Input/output error"), RuntimeError("it goes on")])
+
+    def fail(_: Previews) -> None:
+        raise next(sweeps)
+
+    monkeypatch.setattr(Previews, "sweep", fail)
+    monkeypatch.setattr("palpate.server.uploading.previews.SWEPT_EACH_S", 0.0)
+    with pytest.raises(RuntimeError, match="it goes on"):
+        asyncio.run(previews.watch())
+    assert not good.folder.exists()
+
+
+def test_what_is_known_is_told_to_everybody_who_sees_it(
+    ann: TestClient, others: Mapping[str, TestClient], store: Store
+) -> None:
+    """Unchanged, whosever it is; what is hidden is refused as if it were new, and who sends it gains no sight of it."""
+    there = [squeeze(number, owner="kim", visibility=seen) for number, seen in enumerate(("public", "private"))]
+    public, hidden = store.put_many(there, uploader="kim")
+    address, text = send(ann, {"known.zip": package(there[0])})
+    assert "0 new recordings, 1 known already." in text
+    assert f'<a href="/recordings/{public.id}">known already</a>' in text
+    kept = ann.post(f"{address}/keep", data={"visibility": "private"}).text
+    assert kept.count("was there already") == 1
+    form = {"visibility": "private", "until": ""}
+    assert others["kim"].post(f"/recordings/{public.id}/sharing", data=form).status_code == 200
+    assert ann.get(f"/recordings/{public.id}").status_code == 404
+    _, text = send(ann, {"hidden.zip": package(there[1]), "new.zip": package(squeeze(2, owner="kim"))})
+    assert "Nothing of it is kept" in text
+    for reason in (fates(text)["hidden.zip"], fates(text)["new.zip"]):
+        assert reason == (
+            "owner: found &#39;kim&#39;, expected &#39;ann&#39;, in whose name this is sent, or leave the owner out"
+        )
+    assert ann.get(f"/recordings/{hidden.id}").status_code == 404
+
+
+def test_what_is_hidden_before_it_is_kept_is_refused(
+    ann: TestClient, others: Mapping[str, TestClient], store: Store
+) -> None:
+    """On the page that is loaded again, and when it is kept."""
+    (public,) = store.put_many([squeeze(0, owner="kim", visibility="public")], uploader="kim")
+    sent = package(squeeze(0, owner="kim", visibility="public"))
+    address, text = send(ann, {"known.zip": sent})
+    assert "1 known already" in text
+    others["kim"].post(f"/recordings/{public.id}/sharing", data={"visibility": "private", "until": ""})
+    assert "owner: found &#39;kim&#39;" in fates(ann.get(address).text)["known.zip"]
+    kept = ann.post(f"{address}/keep", data={"visibility": ""}).text
+    assert "owner: found &#39;kim&#39;" in fates(kept)["known.zip"]
+    assert ann.get(f"/recordings/{public.id}").status_code == 404
+
+
+def test_an_empty_zip_is_told(ann: TestClient, store: Store, tmp_path: Path) -> None:
+    """Also one of folders alone, and an archive of nothing."""
+    bare = io.BytesIO()
+    with ZipFile(bare, "w") as packed:
+        packed.mkdir("empty")
+    _, text = send(ann, {"empty.zip": zipped({}), "bare.zip": bare.getvalue()})
+    assert "Nothing of it is kept" in text
+    assert fates(text) == {"empty.zip": "the zip is empty", "bare.zip": "the zip is empty"}
+    export_archive(store, tmp_path / "archive")
+    _, text = send(ann, {"archive.zip": zipped(folder(tmp_path / "archive"))})
+    assert "Nothing of it is kept" in text
+    assert "holds no recording" in text
+
+
+def test_kept_several_times_at_once(ann: TestClient, store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One keeps it, and the others are led to what became of it, which is told when it is done."""
+    address, _ = send(ann, {"one.zip": package(squeeze(1, owner="ann"))})
+    asked = list[tuple[int, str]]()
+
+    def keep_slowly(*given: Any, **named: Any) -> Any:
+        for method, place in (("POST", "/keep"), ("GET", "")):
+            data = {"visibility": ""} if method == "POST" else None
+            found = ann.request(method, f"{address}{place}", data=data, follow_redirects=False)
+            asked.append((found.status_code, found.headers["location"]))
+        busy = ann.get(f"{address}/kept")
+        assert (busy.status_code, busy.headers["refresh"]) == (200, "2")
+        assert "being kept" in busy.text
+        return import_paths(*given, **named)
+
+    monkeypatch.setattr(keeping, "import_paths", keep_slowly)
+    assert "1 recording is in the store" in ann.post(f"{address}/keep", data={"visibility": ""}).text
+    assert asked == [(303, f"{address}/kept")] * 2
+    assert len(list_recordings(store).rows) == 1
+
+
+def test_what_waits_is_found_again(ann: TestClient, others: Mapping[str, TestClient]) -> None:
+    """By who closed the tab, on the page to upload; by nobody else, and only while it waits."""
+    assert "wait to be kept" not in ann.get("/upload").text
+    address, _ = send(ann, {"session.zip": package(squeeze(1, owner="ann")), "notes.txt": b"nothing"})
+    text = ann.get("/upload").text
+    assert re.search(rf'<a href="{address}">notes.txt, session.zip</a>, until \d{{4}}-', text), text
+    assert address not in others["kim"].get("/upload").text
+    # what was understood cannot be lost from the page of what was never kept
+    assert str(ann.get(f"{address}/kept").url).endswith(address)
+    ann.post(f"{address}/cancel")
+    assert address not in ann.get("/upload").text

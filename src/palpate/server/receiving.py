@@ -21,7 +21,7 @@ from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.importing.package import unpack
 from palpate.store.records import Receipt, Recording
 
-__all__ = ["check_owner", "check_parts", "receive", "spooled", "unpacked"]
+__all__ = ["check_owner", "check_parts", "receive", "spooled", "unpacked", "wrong_owner"]
 
 IN_MEMORY = 4 << 20
 MOST_PARTS = 10_000
@@ -104,12 +104,22 @@ def _check(recording: Recording, who: Account, digest: str) -> None:
 
 
 def check_owner(recording: Recording | StoredEpisode, who: Account) -> None:
-    """Refuse what is sent in the name of somebody else; administrators move whole stores.
+    """Refuse what is sent in the name of somebody else."""
+    wrong = wrong_owner(recording, who)
+    if wrong is not None:
+        raise StoreError(wrong)
+
+
+def wrong_owner(recording: Recording | StoredEpisode, who: Account) -> str | None:
+    """What is wrong where something is sent in the name of somebody else; administrators move whole stores.
 
     What states no owner is seen, where it is private, by who has sent it.
     """
-    if who.role < Role.ADMIN and recording.owner not in (None, who.name):
-        raise StoreError(f"owner: found {recording.owner!r}, expected {who.name!r}, in whose name this is sent")
+    if who.role >= Role.ADMIN or recording.owner in (None, who.name):
+        return None
+    return (
+        f"owner: found {recording.owner!r}, expected {who.name!r}, in whose name this is sent, or leave the owner out"
+    )
 
 
 def check_parts(package: IO[bytes]) -> None:

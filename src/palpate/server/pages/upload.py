@@ -28,6 +28,7 @@ from palpate.server.uploading.by_hand import recording_by_hand
 from palpate.server.uploading.fates import TWICE
 from palpate.server.uploading.form_words import words_of
 from palpate.server.uploading.keeping import keep
+from palpate.server.uploading.mine import mine_of
 from palpate.server.uploading.preview import Preview, holder_of
 from palpate.server.uploading.previews import MOST_OF_ACCOUNT
 from palpate.server.uploading.reading import read
@@ -50,10 +51,11 @@ NOTHING: Mapping[str, str] = MappingProxyType({})
 @router.get("")
 def form(request: Request, who: Owner) -> HTMLResponse:
     """The forms: one for files, and one for a measurement that is typed."""
-    return _form(request, {}, None)
+    return _form(request, who, {}, None)
 
 
-def _form(request: Request, given: dict[str, str], fault: str | None) -> HTMLResponse:
+def _form(request: Request, who: Account, given: dict[str, str], fault: str | None) -> HTMLResponse:
+    holder = holder_of(request, who)
     largest = state_of(request).settings.largest_upload_bytes
     status = 200 if fault is None else 422
     return page(
@@ -66,6 +68,7 @@ def _form(request: Request, given: dict[str, str], fault: str | None) -> HTMLRes
         largest=largest,
         most_files=MOST_FILES,
         waiting=MOST_OF_ACCOUNT,
+        mine=mine_of(state_of(request).previews, holder),
     )
 
 
@@ -75,23 +78,34 @@ async def send(request: Request, who: Owner) -> Response:
     state = state_of(request)
     async with request.form(max_files=MOST_FILES, max_fields=10) as sent:
         if not any(isinstance(part, UploadFile) and part.filename for _, part in sent.multi_items()):
-            return await run_in_threadpool(_form, request, {}, "No file was chosen.")
+            return await run_in_threadpool(_form, request, who, {}, "No file was chosen.")
         preview = await run_in_threadpool(_read, state, who, holder_of(request, who), sent)
+        if preview is None:
+            raise gone()
     return RedirectResponse(f"/upload/{preview.id}", 303)
 
 
-def _read(state: State, who: Account, holder: str, sent: FormData) -> Preview:
+def _read(state: State, who: Account, holder: str, sent: FormData) -> Preview | None:
+    """What waits now; None where newer ones took its place meanwhile."""
     preview = state.previews.new(holder, who.name or "")
     if preview is None:
         raise problem(503, "too many uploads wait to be kept; try again later", headers={"Retry-After": "600"})
     try:
         refused = save(_files(sent), preview.sent, state.settings.largest_unpacked_bytes)
         read(state.store, who, preview, refused)
-        state.previews.admit(preview)
+        is_there = state.previews.admit(preview)
+    except Exception:
+        if preview.about() is not None:
+            state.previews.drop(preview.id)
+            raise
+        # its folder is gone, and that is all that was wrong
+        is_there = False
     except BaseException:
         state.previews.drop(preview.id)
         raise
-    return preview
+    if not is_there:
+        state.previews.drop(preview.id)
+    return preview if is_there else None
 
 
 def _files(sent: FormData) -> Iterator[tuple[str, IO[bytes]]]:
@@ -100,11 +114,16 @@ def _files(sent: FormData) -> Iterator[tuple[str, IO[bytes]]]:
             yield part.filename, part.file
 
 
-def _kept_before(request: Request, who: Owner, id: str) -> Preview | None:
-    return state_of(request).previews.get_kept(id, holder_of(request, who))
+def _not_kept_yet(request: Request, who: Owner, id: str) -> Preview | None:
+    """The one that waits; None where it was kept, or is being kept just now; else a 404."""
+    previews, holder = state_of(request).previews, holder_of(request, who)
+    found = previews.get(id, holder)
+    if found is None and not previews.is_being_kept(id, holder) and previews.get_kept(id, holder) is None:
+        raise gone()
+    return found
 
 
-KeptBefore = Annotated[Preview | None, Depends(_kept_before)]
+NotKeptYet = Annotated[Preview | None, Depends(_not_kept_yet)]
 
 
 @router.post("/one")
@@ -116,7 +135,7 @@ async def by_hand(request: Request, store: StoreOf, who: Owner) -> Response:
     except UnavailableError:
         raise
     except StoreError as error:
-        return await run_in_threadpool(_form, request, fields, str(error))
+        return await run_in_threadpool(_form, request, who, fields, str(error))
     return RedirectResponse(f"/recordings/{receipt.id}", 303)
 
 
@@ -128,11 +147,11 @@ def _keep_typed(store: Store, who: Account, fields: Mapping[str, str]) -> Receip
 
 
 @router.get("/{id}")
-def preview(request: Request, store: StoreOf, who: Owner, memory: Memory, id: str, kept: KeptBefore) -> Response:
+def preview(request: Request, store: StoreOf, who: Owner, memory: Memory, id: str, waiting: NotKeptYet) -> Response:
     """What was understood; where it was kept meanwhile, what became of it."""
-    if kept is not None:
+    if waiting is None:
         return _to_kept(id)
-    return _shown(request, store, who, Allowance(memory=memory), waiting_preview(request, who, id))
+    return _shown(request, store, who, Allowance(memory=memory), waiting)
 
 
 def _shown(
@@ -168,10 +187,11 @@ def _shown(
 
 
 @router.post("/{id}/keep")
-async def keep_all(request: Request, store: StoreOf, who: Owner, memory: Memory, id: str, kept: KeptBefore) -> Response:
+async def keep_all(
+    request: Request, store: StoreOf, who: Owner, memory: Memory, id: str, waiting: NotKeptYet
+) -> Response:
     """Keep what was shown, and lead to what became of it; once, also where the form is sent twice."""
-    if kept is None:
-        waiting = waiting_preview(request, who, id)
+    if waiting is not None:
         fields = await form_of(request)
         try:
             wishes = Wishes.of_form(fields)
@@ -187,10 +207,21 @@ def _to_kept(id: str) -> Response:
 
 
 @router.get("/{id}/kept")
-def told(request: Request, store: StoreOf, who: Owner, kept: KeptBefore) -> HTMLResponse:
-    """What became of what was kept."""
+def told(request: Request, store: StoreOf, who: Owner, id: str) -> Response:
+    """What became of what was kept; while it is being kept the page looks again by itself."""
+    previews, holder = state_of(request).previews, holder_of(request, who)
+    if previews.is_being_kept(id, holder):
+        found = page(request, "keeping.html")
+        found.headers["Refresh"] = "2"
+        return found
+    kept = previews.get_kept(id, holder)
     if kept is None:
-        raise gone()
+        waiting_preview(request, who, id)
+        return RedirectResponse(f"/upload/{id}", 303)
+    return _told(request, store, who, kept)
+
+
+def _told(request: Request, store: Store, who: Account, kept: Preview) -> HTMLResponse:
     outcomes = kept.kept()
     refused = [one for one in outcomes if one["fate"] == Fate.REFUSED.value]
     left = [one for one in outcomes if one["fate"] == Fate.SKIPPED.value]
@@ -198,7 +229,7 @@ def told(request: Request, store: StoreOf, who: Owner, kept: KeptBefore) -> HTML
     ids = recordings_of_digests(store, who.viewer, [one["digest"] for one in held if "digest" in one])
     there = [(one, ids[one["digest"]]) for one in held if one.get("digest") in ids]
     explored = [one for one in held if "episode" in one and episode_is_visible(store, who.viewer, UUID(one["episode"]))]
-    return page(request, "kept.html", there=there, explored=explored, refused=refused, left=left)
+    return page(request, "kept.html", nothing=not outcomes, there=there, explored=explored, refused=refused, left=left)
 
 
 @router.post("/{id}/cancel")

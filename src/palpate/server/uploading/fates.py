@@ -9,6 +9,7 @@ from uuid import UUID
 
 from palpate.server.explorations import fate_of_whole
 from palpate.server.security.accounts import Account
+from palpate.server.uploading.preview import OF_OTHERS
 from palpate.store.importing.items import Fate
 from palpate.store.importing.presence import ids_of_others
 from palpate.store.keeping_episodes import get_episode
@@ -62,6 +63,8 @@ def coming(store: Store, who: Account, scratch: Store, found: Sequence[Mapping[s
             told.append(Coming(TWICE))
         elif digest in known:
             told.append(Coming(Fate.KNOWN.value, None, known[digest]))
+        elif OF_OTHERS in one:
+            told.append(Coming(Fate.REFUSED.value, one[OF_OTHERS]))
         elif digest in taken:
             told.append(Coming(Fate.REFUSED.value, TAKEN.format(ids[digest])))
         else:

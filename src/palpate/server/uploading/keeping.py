@@ -9,11 +9,10 @@ from typing import Any
 from uuid import UUID
 
 from palpate.server.explorations import keep_whole
-from palpate.server.problems import problem
 from palpate.server.receiving import check_owner
 from palpate.server.security.accounts import Account
 from palpate.server.state import State
-from palpate.server.uploading.preview import Preview
+from palpate.server.uploading.preview import OF_OTHERS, Preview
 from palpate.server.uploading.wishes import Wishes
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.importing.intake import import_paths
@@ -30,11 +29,12 @@ __all__ = ["keep"]
 class _Waiting:
     """The recordings of a preview, as a format of imports."""
 
-    def __init__(self, scratch: Store, preview: Preview, wishes: Wishes, who: Account) -> None:
+    def __init__(self, scratch: Store, preview: Preview, wishes: Wishes, who: Account, seen: Collection[str]) -> None:
         self._scratch = scratch
         self._preview = preview
         self._wishes = wishes
         self._who = who
+        self._seen = seen
 
     def owns(self, path: Path) -> bool:
         """The store in which they are."""
@@ -44,11 +44,14 @@ class _Waiting:
         """Nobody watches how far it is."""
         return 1
 
-    def items(self, path: Path) -> Iterator[Item]:
-        """Each recording once."""
-        told = {one["digest"]: one["source"] for one in self._preview.found() if one["digest"] is not None}
-        for digest, source in told.items():
-            yield Item(source, partial(self._read, digest))
+    def items(self, path: Path) -> Iterator[Item | Outcome]:
+        """Each recording once; of others the store has what may be told of, and nobody is noted as its sender."""
+        told = {one["digest"]: one for one in self._preview.found() if one["digest"] is not None}
+        for digest, one in told.items():
+            if one.get(OF_OTHERS) and digest in self._seen:
+                yield Outcome(one["source"], Fate.KNOWN, None, self._scratch.get(digest))
+            else:
+                yield Item(one["source"], partial(self._read, digest))
 
     def _read(self, digest: str) -> Recording:
         sent = self._scratch.get(digest)
@@ -57,14 +60,17 @@ class _Waiting:
 
 
 def keep(state: State, who: Account, preview: Preview, wishes: Wishes) -> None:
-    """Keep all recordings and explorations of a preview, and note what became of each; then nothing waits any more."""
+    """Keep all recordings and explorations of a preview, and note what became of each; then nothing waits any more.
+
+    Where somebody else has just begun to, it is left to them.
+    """
     with state.previews.taken(preview) as mine:
         if mine is None:
-            raise problem(404, "there is no upload that waits here: it was kept or cancelled just now")
+            return
         with open_store(mine.place, mine.blobs, durable=False, make=False) as scratch:
             digests = [one["digest"] for one in mine.found() if one["digest"] is not None]
             seen = recordings_of_digests(state.store, who.viewer, digests)
-            waiting = _Waiting(scratch, mine, wishes, who)
+            waiting = _Waiting(scratch, mine, wishes, who, seen)
             outcomes = list(import_paths(state.store, [mine.place], [waiting], uploader=who.name))
             # their recordings are there by now
             episodes = list(_keep_episodes(state, who, mine, scratch, wishes))

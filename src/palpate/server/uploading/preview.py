@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import time
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -12,10 +14,21 @@ from fastapi import Request
 
 from palpate.server.security.accounts import Account
 from palpate.server.security.who import COOKIE, SESSION
+from palpate.store.importing.items import Fate
 
-__all__ = ["ABOUT", "FOUND", "KEPT", "TASK", "Preview", "holder_of"]
+__all__ = ["ABOUT", "FOUND", "HOLDS_S", "KEPT", "OF_OTHERS", "TASK", "Preview", "holder_of"]
 
 ABOUT, TASK, FOUND, KEPT = "about.json", "task.json", "found.json", "kept.json"
+HOLDS_S = 3600.0
+OF_OTHERS = "of others"
+"""In a note on what was found: why it is refused, unless the store has it and who has sent it sees that."""
+OVER: Mapping[str, Any] = {"holder": "", "account": None, "expires": 0.0}
+"""What is told of one whose notes are damaged."""
+
+
+def refused(one: dict[str, Any]) -> dict[str, Any]:
+    """A note on what was found in the name of somebody else, as it is refused."""
+    return {**one, "fate": Fate.REFUSED.value, "reason": one[OF_OTHERS], "digest": None}
 
 
 def holder_of(request: Request, who: Account) -> str:
@@ -54,18 +67,57 @@ class Preview:
         """The large bytes of that store."""
         return self.folder / "blobs"
 
-    def about(self) -> dict[str, Any] | None:
+    def about(self) -> Mapping[str, Any] | None:
         """Whose it is and until when; None where it was removed, or is being made, by another worker."""
         try:
-            plain: dict[str, Any] = json.loads((self.folder / ABOUT).read_text(encoding="utf-8"))
-        except (FileNotFoundError, NotADirectoryError, ValueError):
+            plain: Any = json.loads((self.folder / ABOUT).read_text(encoding="utf-8"))
+        except (FileNotFoundError, NotADirectoryError):
             return None
-        return plain
+        except ValueError:
+            return OVER
+        is_whole = isinstance(plain, dict) and isinstance(plain.get("holder"), str)
+        return plain if is_whole and isinstance(plain.get("expires"), float) else OVER
 
-    def note(self, **about: object) -> None:
-        """Note whose it is and until when, beside what was noted of that before."""
-        told = {**(self.about() or {}), **about}
-        (self.folder / ABOUT).write_text(json.dumps(told), encoding="utf-8")
+    def begin(self, holder: str, account: str) -> None:
+        """Make its folder, and note whose it is; only this makes that note."""
+        self.sent.mkdir(parents=True, mode=0o700)
+        self._write_about({"holder": holder, "account": account, "expires": time.time() + HOLDS_S})
+
+    def note(self, **about: object) -> bool:
+        """Note something beside whose it is; False where it was removed, and then nothing of it is made again."""
+        before = self.about()
+        if before is None:
+            return False
+        try:
+            self._write_about({**before, **about})
+        except FileNotFoundError:
+            # it was removed between the two
+            return False
+        return True
+
+    def _write_about(self, told: dict[str, Any]) -> None:
+        # whoever reads it meanwhile finds the one or the other, and never a half
+        part = self.folder / f"{ABOUT}.part"
+        part.write_text(json.dumps(told), encoding="utf-8")
+        part.replace(self.folder / ABOUT)
+
+    @property
+    def account(self) -> str | None:
+        """Whose it is; None where that is not known."""
+        account: str | None = (self.about() or OVER)["account"]
+        return account
+
+    @property
+    def ends_at(self) -> float:
+        """When its time is over; of one that does not tell, it is counted from when its folder was last written."""
+        about = self.about()
+        if about is not None:
+            return float(about["expires"])
+        try:
+            return self.folder.stat().st_mtime + HOLDS_S
+        except FileNotFoundError:
+            # another worker has just removed it
+            return 0.0
 
     @property
     def dropped(self) -> int:
@@ -86,6 +138,11 @@ class Preview:
         """What became of each item when it was read."""
         plain: list[dict[str, Any]] = json.loads((self.folder / FOUND).read_text(encoding="utf-8"))
         return plain
+
+    def refuse_of_others(self, seen: Collection[str]) -> None:
+        """Refuse what is in the name of somebody else and is not seen, by its digest, in the store."""
+        told = [refused(one) if one.get(OF_OTHERS) and one["digest"] not in seen else one for one in self.found()]
+        (self.folder / FOUND).write_text(json.dumps(told), encoding="utf-8")
 
     def note_kept(self, outcomes: list[dict[str, Any]]) -> None:
         """Note what became of each item when it was to be kept."""

@@ -6,6 +6,7 @@ What became of one that was kept stays in its folder for as long, so that whiche
 from __future__ import annotations
 
 import asyncio
+import logging
 import re
 import secrets
 import shutil
@@ -17,14 +18,14 @@ from hmac import compare_digest
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from palpate.server.uploading.preview import ABOUT, KEPT, Preview
+from palpate.server.uploading.preview import ABOUT, HOLDS_S, KEPT, Preview
 
 __all__ = ["MOST_OF_ACCOUNT", "Previews"]
 
+_log = logging.getLogger("palpate.server")
 ID = re.compile("[A-Za-z0-9_-]{43}")
-TAKEN = re.compile("kept-[0-9a-f]{16}")
-"""Names of folders of what is being kept just now."""
-HOLDS_S = 3600.0
+ASIDE = "kept-"
+"""Stands before the id in the name of the folder of what is being kept just now."""
 SWEPT_EACH_S = 300.0
 MOST_OF_ACCOUNT = 3
 MOST_KEPT_OF_ACCOUNT = 20
@@ -64,34 +65,33 @@ class Previews:
         """Make one that is to be read; None where too many of others wait."""
         self.sweep()
         there = [one for one in self._all() if not one.is_kept]
-        own = [one for one in there if _account(one) == account]
+        own = [one for one in there if one.account == account]
         if len(there) >= MOST and len(own) < MOST_OF_ACCOUNT:
             return None
         # those that were read make room when there is something to keep in this one
         self._make_room(one for one in own if not one.is_read)
         made = Preview(secrets.token_urlsafe(32), Path())
         made = Preview(made.id, self.root / made.id)
-        made.sent.mkdir(parents=True, mode=0o700)
-        made.note(holder=holder, account=account, expires=time.time() + HOLDS_S)
+        made.begin(holder, account)
         return made
 
-    def admit(self, preview: Preview) -> None:
-        """Let one that was read wait: the account's oldest make room.
+    def admit(self, preview: Preview) -> bool:
+        """Let one that was read wait: the account's oldest make room. False where it is gone.
 
         Where nothing of it can be kept it takes no place, and what became of it is told as of one that was kept.
         """
-        if not preview.is_read:
+        if preview.ends_at < time.time() or preview.about() is None or not preview.is_read:
             # newer ones of the account took its place before it was read to the end
-            return
-        own = [one for one in self._all() if _account(one) == _account(preview) and one.id != preview.id]
+            return False
+        own = [one for one in self._all() if one.account == preview.account and one.id != preview.id]
         found = preview.found()
         if any(one["digest"] is not None or one["episode"] is not None for one in found):
             waiting = (one for one in own if one.is_read and not one.is_kept)
-            preview.note(dropped=self._make_room(waiting))
-            return
+            return preview.note(dropped=self._make_room(waiting))
         self._make_room((one for one in own if one.is_kept), MOST_KEPT_OF_ACCOUNT)
         preview.note_kept(found)
         _empty(preview)
+        return True
 
     def get(self, id: str, holder: str) -> Preview | None:
         """The one of an id that was read, where it waits and is theirs."""
@@ -103,8 +103,17 @@ class Previews:
         found = self._of(id, holder)
         return found if found is not None and found.is_kept else None
 
-    def _of(self, id: str, holder: str) -> Preview | None:
-        found = Preview(id, self.root / id) if ID.fullmatch(id) else None
+    def is_being_kept(self, id: str, holder: str) -> bool:
+        """Whether it is theirs, and is being kept just now."""
+        return self._of(id, holder, ASIDE) is not None
+
+    def of(self, holder: str) -> list[Preview]:
+        """All that wait and are theirs, the oldest first."""
+        found = [one for one in self._all() if self.get(one.id, holder) is not None]
+        return sorted(found, key=lambda one: (one.ends_at, one.id))
+
+    def _of(self, id: str, holder: str, before: str = "") -> Preview | None:
+        found = Preview(id, self.root / f"{before}{id}") if ID.fullmatch(id) else None
         about = None if found is None else found.about()
         if about is None or about["expires"] < time.time() or not compare_digest(about["holder"], holder):
             return None
@@ -117,7 +126,7 @@ class Previews:
         Of it is left only what was noted of what became of it.
         """
         # only names that are ids are looked at by others; it comes back where it could not be kept
-        aside = Preview(preview.id, self.root / f"kept-{secrets.token_hex(8)}")
+        aside = Preview(preview.id, self.root / f"{ASIDE}{preview.id}")
         try:
             preview.folder.rename(aside.folder)
         except FileNotFoundError:
@@ -142,7 +151,7 @@ class Previews:
             shutil.rmtree(aside.folder, ignore_errors=True)
             return
         _empty(aside)
-        own = (one for one in self._all() if one.is_kept and _account(one) == _account(aside))
+        own = (one for one in self._all() if one.is_kept and one.account == aside.account)
         self._make_room(own, MOST_KEPT_OF_ACCOUNT)
         aside.note(expires=time.time() + HOLDS_S)
         aside.folder.rename(preview.folder)
@@ -154,15 +163,24 @@ class Previews:
     def sweep(self) -> None:
         """Remove all whose time is over, also those of a worker that was killed while it made, read or kept them."""
         for path in [] if self._root is None else list(self.root.iterdir()):
-            is_one = ID.fullmatch(path.name) or TAKEN.fullmatch(path.name)
-            if is_one and _ends_at(Preview(path.name, path)) < time.time():
+            try:
+                is_over = ID.fullmatch(path.name.removeprefix(ASIDE)) and Preview(path.name, path).ends_at < time.time()
+            except OSError as error:
+                # the others are swept none the less
+                _log.warning("an upload that waits cannot be swept: %s", error)
+                continue
+            if is_over:
                 shutil.rmtree(path, ignore_errors=True)
 
     async def watch(self) -> None:
         """Sweep now and then."""
         while True:
             await asyncio.sleep(SWEPT_EACH_S)
-            await asyncio.to_thread(self.sweep)
+            try:
+                await asyncio.to_thread(self.sweep)
+            except OSError as error:
+                # what is wrong now may be well the next time
+                _log.warning("uploads that wait cannot be swept: %s", error)
 
     def _all(self) -> list[Preview]:
         """Each that nobody is keeping just now."""
@@ -173,27 +191,11 @@ class Previews:
 
     def _make_room(self, of_account: Iterable[Preview], most: int = MOST_OF_ACCOUNT) -> int:
         """Remove the oldest of an account, without which there is room for one more; how many these are."""
-        oldest = sorted((_ends_at(one), one.id) for one in of_account)
+        oldest = sorted((one.ends_at, one.id) for one in of_account)
         dropped = oldest[: max(0, len(oldest) - most + 1)]
         for _, id in dropped:
             self.drop(id)
         return len(dropped)
-
-
-def _account(preview: Preview) -> str | None:
-    return (preview.about() or {}).get("account")
-
-
-def _ends_at(preview: Preview) -> float:
-    """When its time is over; of one that does not tell, it is counted from when its folder was last written."""
-    about = preview.about()
-    if about is not None:
-        return float(about["expires"])
-    try:
-        return preview.folder.stat().st_mtime + HOLDS_S
-    except FileNotFoundError:
-        # another worker has just removed it
-        return 0.0
 
 
 def _empty(preview: Preview) -> None:

@@ -15,11 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from palpate.errors import PalpateError
-from palpate.server.receiving import check_owner
+from palpate.server.receiving import wrong_owner
 from palpate.server.security.accounts import Account, Role
 from palpate.server.uploading.archives import EpisodeOutcome, more_of
 from palpate.server.uploading.limits import limit_process
-from palpate.server.uploading.preview import FOUND, TASK, Preview
+from palpate.server.uploading.preview import FOUND, OF_OTHERS, TASK, Preview
 from palpate.store.errors import StoreError
 from palpate.store.importing import squeezes
 from palpate.store.importing.bags import format
@@ -47,7 +47,7 @@ FOR_FORMS = {
 
 
 class Theirs:
-    """A format whose recordings are not those of somebody else than the account that uploads."""
+    """A format whose explorations are not those of somebody else than the account that uploads."""
 
     def __init__(self, inner: Format, who: Account) -> None:
         self._format = inner
@@ -62,21 +62,20 @@ class Theirs:
         return self._format.count(path)
 
     def items(self, path: Path) -> Iterator[Item | Outcome]:
-        """The items; what is in the name of somebody else is refused."""
+        """The items; whether what is in the name of somebody else is refused depends on what the server has."""
         for item in self._format.items(path):
-            yield item if isinstance(item, Outcome) else Item(item.source, partial(self._read, item))
+            yield item if isinstance(item, Outcome) else Item(item.source, partial(_read, item))
 
     def put_more(self, path: Path, store: Store) -> Iterator[Outcome]:
         """What an archive holds beside recordings; nothing of other formats."""
         yield from more_of(path, store, self._who) if isinstance(self._format, HoldsMore) else ()
 
-    def _read(self, item: Item) -> Recording:
-        try:
-            found = item.read()
-        except (MemoryError, OverflowError):
-            raise StoreError("holds more, or larger numbers, than can be read here") from None
-        check_owner(found, self._who)
-        return found
+
+def _read(item: Item) -> Recording:
+    try:
+        return item.read()
+    except (MemoryError, OverflowError):
+        raise StoreError("holds more, or larger numbers, than can be read here") from None
 
 
 def _maps(sent: Path) -> tuple[ColumnMap | None, TopicMap | None, list[Outcome]]:
@@ -101,8 +100,7 @@ def _maps(sent: Path) -> tuple[ColumnMap | None, TopicMap | None, list[Outcome]]
     return columns, topics, refused
 
 
-def _read_all(preview: Preview, task: dict[str, Any]) -> Iterator[Outcome]:
-    who = Account(task["account"], Role[task["role"]])
+def _read_all(preview: Preview, task: dict[str, Any], who: Account) -> Iterator[Outcome]:
     columns, topics, refused = _maps(preview.sent)
     yield from refused
     formats = [Theirs(one, who) for one in all_formats(columns, topics)]
@@ -126,13 +124,15 @@ def _looked_into(outcome: Outcome) -> Outcome:
     return outcome
 
 
-def _plain(outcome: Outcome, hidden: str) -> dict[str, Any]:
+def _plain(outcome: Outcome, hidden: str, who: Account) -> dict[str, Any]:
     reason = FOR_FORMS.get(outcome.reason or "", outcome.reason)
     reason = None if reason is None else " ".join(reason.replace(f"{hidden}/", "").split())
     digest = None if outcome.recording is None or outcome.fate is Fate.REFUSED else outcome.recording.digest
     source = outcome.source.removeprefix(f"{hidden}/").removeprefix(hidden)
     episode = outcome.plain() if isinstance(outcome, EpisodeOutcome) else None
-    return {"source": source, "fate": outcome.fate.value, "reason": reason, "digest": digest, "episode": episode}
+    plain = {"source": source, "fate": outcome.fate.value, "reason": reason, "digest": digest, "episode": episode}
+    wrong = None if digest is None or outcome.recording is None else wrong_owner(outcome.recording, who)
+    return plain if wrong is None else {**plain, OF_OTHERS: wrong}
 
 
 def main(folder: Path) -> None:
@@ -140,7 +140,8 @@ def main(folder: Path) -> None:
     limit_process()
     preview = Preview(folder.name, folder)
     task = json.loads((folder / TASK).read_text(encoding="utf-8"))
-    found = [_plain(outcome, str(preview.sent)) for outcome in _read_all(preview, task)]
+    who = Account(task["account"], Role[task["role"]])
+    found = [_plain(outcome, str(preview.sent), who) for outcome in _read_all(preview, task, who)]
     (folder / FOUND).write_text(json.dumps([*task["refused"], *found]), encoding="utf-8")
 
 

@@ -12,10 +12,11 @@ import threading
 from palpate.server.problems import problem
 from palpate.server.security.accounts import Account
 from palpate.server.uploading.limits import LONGEST_S
-from palpate.server.uploading.preview import TASK, Preview
+from palpate.server.uploading.preview import OF_OTHERS, TASK, Preview
 from palpate.store.importing.items import Fate
 from palpate.store.store import Store
 from palpate.store.units import units_of
+from palpate.store.visible_episodes import recordings_of_digests
 
 __all__ = ["read"]
 
@@ -55,3 +56,6 @@ def read(store: Store, who: Account, preview: Preview, refused: list[tuple[str, 
             422,
             f"what was sent takes more than {LONGEST_S} seconds or more memory than there is for it: send less at once",
         )
+    of_others = [one["digest"] for one in preview.found() if OF_OTHERS in one]
+    if of_others:
+        preview.refuse_of_others(recordings_of_digests(store, who.viewer, of_others))

@@ -8,6 +8,7 @@ from typing import IO
 
 from palpate.server.receiving import check_parts
 from palpate.store.errors import StoreError
+from palpate.store.importing.paths import check_name
 from palpate.store.importing.saving import Saved, is_zip
 
 __all__ = ["save"]
@@ -21,6 +22,8 @@ def save(files: Iterator[tuple[str, IO[bytes]]], folder: Path, largest_bytes: in
             if is_zip(name):
                 check_parts(data)
             saved.put(name, data)
+            if is_zip(name) and not any((folder / check_name(name, "name")).iterdir()):
+                raise StoreError("the zip is empty")
         except StoreError as error:
             refused.append((name, str(error).removeprefix(f"{name}: ").removeprefix("package: ")))
     return refused

@@ -23,7 +23,7 @@ class Saved:
     Parameters
     ----------
     folder
-        An empty one.
+        An empty one; where it is removed meanwhile, it is not made again.
     largest_bytes
         Of all of them together, unpacked.
     """
@@ -56,7 +56,8 @@ class Saved:
         if target.exists() or target.is_symlink():
             raise StoreError(f"name: there is a second file {name!r}, expected names of their own")
         try:
-            target.parent.mkdir(parents=True, exist_ok=True)
+            for level in reversed(target.relative_to(self.folder).parents[:-1]):
+                (self.folder / level).mkdir(exist_ok=True)
         except (FileExistsError, NotADirectoryError, ValueError):
             raise StoreError(f"name: {name!r} is in a folder that is a file") from None
         return target
@@ -80,6 +81,7 @@ class Saved:
             with ZipFile(data) as packed:
                 if sum(item.file_size for item in packed.infolist()) > self._left:
                     raise StoreError(self._too_much())
+                target.mkdir()
                 inside = Saved(target, self._left)
                 for item in packed.infolist():
                     if not item.is_dir():

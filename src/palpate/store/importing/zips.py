@@ -76,14 +76,13 @@ class Zips:
 
     def _unpack(self, path: Path, folder: Path) -> Path | StoreError:
         name = portable_name(path.name)
+        folder.mkdir()
         saved = Saved(folder, shutil.disk_usage(self._root).free)
         try:
             with path.open("rb") as opened:
                 saved.put(name, opened)
         except StoreError as error:
             return StoreError(str(error).removeprefix(f"{name}: "))
-        # one that is empty has made none
-        (folder / name).mkdir(parents=True, exist_ok=True)
         return folder / name
 
     def named(self, outcome: Outcome) -> Outcome:
