@@ -4,6 +4,7 @@ import asyncio
 import io
 import json
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -812,6 +813,15 @@ def test_a_preview_that_was_dropped_while_it_was_saved_stays_dropped(tmp_path: P
     first.note(dropped=0)
     assert not (first.folder / "about.json").exists()
     assert previews.new("kim's session", "kim") is not None
+
+
+def test_a_preview_is_gone_before_its_files_are(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So that who cannot save a file any more sees why."""
+    previews = Previews(tmp_path)
+    made, seen = waiting(previews, "ann"), list[object]()
+    monkeypatch.setattr(shutil, "rmtree", lambda folder, **_: seen.append(Preview(made.id, folder).about()))
+    previews.drop(made.id)
+    assert seen == [None]
 
 
 def test_an_upload_whose_place_is_taken_is_told(ann: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -158,19 +158,18 @@ class Previews:
 
     def drop(self, id: str) -> None:
         """Remove one; nothing happens where another worker has."""
-        shutil.rmtree(self.root / id, ignore_errors=True)
+        _remove(self.root / id)
 
     def sweep(self) -> None:
         """Remove all whose time is over, also those of a worker that was killed while it made, read or kept them."""
         for path in [] if self._root is None else list(self.root.iterdir()):
             try:
                 is_over = ID.fullmatch(path.name.removeprefix(ASIDE)) and Preview(path.name, path).ends_at < time.time()
+                if is_over:
+                    _remove(path)
             except OSError as error:
                 # the others are swept none the less
                 _log.warning("an upload that waits cannot be swept: %s", error)
-                continue
-            if is_over:
-                shutil.rmtree(path, ignore_errors=True)
 
     async def watch(self) -> None:
         """Sweep now and then."""
@@ -196,6 +195,12 @@ class Previews:
         for _, id in dropped:
             self.drop(id)
         return len(dropped)
+
+
+def _remove(folder: Path) -> None:
+    # whoever still writes into it finds no place for a file, and then sees by this that the folder is gone
+    (folder / ABOUT).unlink(missing_ok=True)
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 def _empty(preview: Preview) -> None:
