@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
@@ -20,7 +21,7 @@ from palpate.server.pages.allowance import Allowance
 from palpate.server.pages.templates import page
 from palpate.server.pages.waiting import Owner, Waiting, gone, waiting_preview
 from palpate.server.plausible import check_plausible
-from palpate.server.problems import problem
+from palpate.server.problems import ProblemError, problem
 from palpate.server.security.accounts import Account
 from palpate.server.security.sites import check_same_site, form_of
 from palpate.server.state import State, state_of
@@ -43,6 +44,7 @@ from palpate.store.visible_episodes import episode_is_visible, recordings_of_dig
 
 __all__ = ["router"]
 
+_log = logging.getLogger("palpate.server")
 router = APIRouter(prefix="/upload")
 MOST_FILES = 1_000
 NOTHING: Mapping[str, str] = MappingProxyType({})
@@ -94,11 +96,11 @@ def _read(state: State, who: Account, holder: str, sent: FormData) -> Preview | 
         refused = save(_files(sent), preview.sent, state.settings.largest_unpacked_bytes)
         read(state.store, who, preview, refused)
         is_there = state.previews.admit(preview)
-    except Exception:
+    except (OSError, ProblemError) as error:
         if preview.about() is not None:
             state.previews.drop(preview.id)
             raise
-        # its folder is gone, and that is all that was wrong
+        _log.info("an upload was dropped, as newer ones took its place, while it was read: %s", error)
         is_there = False
     except BaseException:
         state.previews.drop(preview.id)
