@@ -11,10 +11,11 @@ import pytest
 
 from palpate.server.app import application
 from palpate.server.example import add_example
-from palpate.server.pages import templates
+from palpate.server.pages import templates, upload
 from palpate.server.security.accounts import Role, add_user
 from palpate.server.security.logging_in import set_password
 from palpate.server.settings import Settings
+from palpate.server.uploading.previews import Previews
 from palpate.store.keeping_episodes import get_episode, put_episode
 from palpate.store.listing_episodes import list_episodes
 from palpate.store.opening import open_store
@@ -181,6 +182,14 @@ def of_who_is_logged_in(page: Any, place: Place) -> Iterator[str]:
     page.get_by_role("heading", name="What was understood").wait_for(timeout=60_000)
     assert page.locator("svg.plot").count() > 0
     yield "what was understood"
+    waiting = page.url
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(Previews, "is_being_kept", lambda *_: True)
+        patched.setattr(upload, "LOOKS_AGAIN_S", 600)
+        page.goto(f"{waiting}/kept")
+        page.get_by_role("heading", name="It is being kept just now").wait_for()
+        yield "what is being kept"
+    page.goto(waiting)
     page.get_by_role("button", name="Keep").click()
     page.get_by_role("heading", name="1 recording is in the store").wait_for()
     yield "what was kept"

@@ -47,6 +47,7 @@ __all__ = ["router"]
 _log = logging.getLogger("palpate.server")
 router = APIRouter(prefix="/upload")
 MOST_FILES = 1_000
+LOOKS_AGAIN_S = 2
 NOTHING: Mapping[str, str] = MappingProxyType({})
 
 
@@ -214,7 +215,7 @@ def told(request: Request, store: StoreOf, who: Owner, id: str) -> Response:
     previews, holder = state_of(request).previews, holder_of(request, who)
     if previews.is_being_kept(id, holder):
         found = page(request, "keeping.html")
-        found.headers["Refresh"] = "2"
+        found.headers["Refresh"] = str(LOOKS_AGAIN_S)
         return found
     kept = previews.get_kept(id, holder)
     if kept is None:
