@@ -2,6 +2,7 @@
 
 import json
 import re
+from hashlib import sha256
 from html import unescape
 
 import pytest
@@ -10,11 +11,14 @@ from sqlalchemy import select
 
 from palpate.server.app import application
 from palpate.server.security.accounts import Account, Role, add_user, users
+from palpate.server.security.lifetimes import MICROSECONDS_PER_DAY
 from palpate.server.security.logging_in import knows_password, set_password
 from palpate.server.security.tokens import account_of, issue, tokens
 from palpate.server.settings import Settings
 from palpate.store import schema
+from palpate.store.registry import now_us
 from palpate.store.store import Store
+from tests.server.conftest import KEY
 
 PASSWORD, OTHER = "correct horse battery", "another long password"
 ORIGIN = {"Origin": "http://testserver"}
@@ -113,6 +117,45 @@ def test_a_program_makes_a_token_of_no_greater_scope(client: TestClient, store: 
         assert client.post("/api/v1/tokens", json=wrong, headers=headers).status_code == 422
     listed = client.get("/api/v1/tokens", headers=headers).json()["items"]
     assert [one["is_session"] for one in listed] == [False, False, False]
+
+
+def left_days(store: Store, secret: str) -> float:
+    """How long a token holds from now."""
+    digest = schema.tokens.c.digest == sha256(secret.encode()).digest()
+    with store.engine.connect() as connection:
+        ends = connection.scalar(select(schema.tokens.c.expires_us).where(digest))
+    return float(ends - now_us()) / MICROSECONDS_PER_DAY
+
+
+def test_a_token_that_a_token_makes_ends_no_later(client: TestClient, store: Store) -> None:
+    """Sent as one or as if it were a session; a browser that has logged in makes one that lasts."""
+    add_user(store, "ann", Role.OWNER)
+    set_password(store, "ann", PASSWORD)
+    short = issue(store, "ann", days=0.01)
+    asked = {"json": {"days": 36_500}, "headers": {"Authorization": f"Bearer {short}"}}
+    made = client.post("/api/v1/tokens", **asked).json()["token"]  # type: ignore[arg-type]
+    assert 0 < left_days(store, made) <= 0.01
+    lasting = issue(store, "ann", days=None)
+    of_lasting = client.post("/api/v1/tokens", json={"days": 2}, headers={"Authorization": f"Bearer {lasting}"})
+    assert 1.9 < left_days(store, of_lasting.json()["token"]) <= 2
+    client.cookies.set("palpate-session", short)
+    told = send(client, "/account", do="token", role="reader", days="365")[1]
+    (secret,) = re.findall(r"palpate_[\w-]{20,}", told)
+    assert left_days(store, secret) <= 0.01
+    client.cookies.clear()
+    told = send(logged_in(client, "ann"), "/account", do="token", role="reader", days="365")[1]
+    (secret,) = re.findall(r"palpate_[\w-]{20,}", told)
+    assert 364 < left_days(store, secret) <= 365
+
+
+def test_who_came_by_the_key_has_no_account(client: TestClient) -> None:
+    """The page offers none of the forms that need one, and leads to where accounts are made."""
+    client.cookies.set("palpate-key", KEY)
+    page = client.get("/account").text
+    assert "<form" not in page.partition("<main")[2]
+    assert "have no account here" in page
+    assert '<a href="/users">' in page
+    assert send(client, "/account", do="token", role="owner", days="30")[0] == 422
 
 
 def test_administrators_have_all_accounts(ann: TestClient, store: Store) -> None:

@@ -63,9 +63,11 @@ def test_a_token_does_what_its_account_may(store: Store) -> None:
     revoke(store, held.id, user="ann", most=Role.READER)
 
 
-@pytest.mark.parametrize("name", ["", " ann", "ann ", "a\nb", "a\x00b", "a\u202eb"])
+@pytest.mark.parametrize(
+    "name", ["", " ann", "ann ", "a\nb", "a\x00b", "a\u202eb", "a" * 201, "Owner of the store", "the example"]
+)
 def test_names_that_would_mislead(store: Store, name: str) -> None:
-    """A name that looks like another one, or like none, is refused."""
+    """A name that looks like another one, or like none, or is too long or that of the service itself, is refused."""
     with pytest.raises(StoreError, match="name"):
         add_user(store, name, Role.OWNER)
 

@@ -95,11 +95,41 @@ def test_what_is_not_there_to_compare_is_said(client: TestClient, store: Store) 
     store.put(measured(1, "left"))
     page = client.get("/compare?property=mass&object=x/y").text
     assert "No mass of x/y with a number and a unit was measured that you may see: these are all objects." in page
-    assert ">cup</a>" in page
+    assert ">cup</bdi></a>" in page
     page = client.get("/compare?property=nope").text
     assert "No nope with a number and a unit was measured that you may see." in page
     assert nothing not in page
     assert "No mass of" not in client.get("/compare?property=mass&object=lab/cup").text
+
+
+def test_the_table_of_one_object_is_that_of_one_object(client: TestClient, store: Store) -> None:
+    """What is downloaded from its page has its rows only; from the page of all it has all."""
+    store.put_many([measured(1, "left"), measured(2, "left", ThingRef("lab", "mug"))])
+    for asked, names in (("", ["cup", "mug"]), ("&object=lab/cup", ["cup"])):
+        page = client.get(f"/compare?property=mass{asked}").text
+        (address,) = re.findall(r'href="(/compare/table.csv[^"]*)"', page)
+        _, *rows = client.get(address.replace("&amp;", "&")).text.splitlines()
+        assert [row.split(",")[2] for row in rows] == names
+    _, *rows = client.get("/compare/table.csv?property=mass&object=lab/none").text.splitlines()
+    assert rows == []
+
+
+def test_the_dashed_line_is_explained_where_there_is_one(client: TestClient, store: Store) -> None:
+    """Without a known value there is none."""
+    store.put(measured(1, "left"))
+    assert "dashed line" not in client.get("/objects/lab/cup").text
+    change_thing(store, CUP, lambda thing: thing.knowing(Value("mass", 10.0, unit="g"), "a scale"))
+    assert "the dashed line is what is known to be true." in client.get("/objects/lab/cup").text
+
+
+def test_long_labels_of_plots_are_cut_and_told_whole(client: TestClient, store: Store) -> None:
+    """At the left of a row and below the plot; short ones are as they are."""
+    long, unknown = "w" * 200, Value("n" * 200, 1.0, unit="g")
+    store.put_many([measured(1, long), measured(2, "left"), measured(3, "left", entry=unknown)])
+    page = client.get("/objects/lab/cup").text
+    assert f">{'w' * 25}…<title>{long}</title></text>" in page
+    assert f">{'n' * 109}…<title>{'n' * 200} [g]</title></text>" in page
+    assert ">left</text>" in page
 
 
 def test_of_one_value_no_spread_is_told(client: TestClient, store: Store) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
+from palpate import __version__
 from palpate.server.security.accounts import Role
 from palpate.store.audit import history
 from palpate.store.entries import Value
@@ -234,6 +235,14 @@ def test_a_form_undoes_nothing_that_others_have_changed(client: TestClient, stor
     again = {**typed, "maker": "Acme", "version": version(refused.text)}
     assert client.post(page, data=again, headers=host, follow_redirects=False).status_code == 303
     assert (find_thing(store, "lab/cup").ref.common_name, find_thing(store, "lab/cup").ref.maker) == ("mine", "Acme")
+
+
+def test_the_foot_of_the_form_has_the_version_of_the_program(client: TestClient, store: Store, token: Token) -> None:
+    """And the form that of the object."""
+    store.put(squeeze(4, thing=ThingRef("lab", "mug"), owner="ann"))
+    page = client.get("/objects/lab/mug/edit", headers=token("carl", Role.CURATOR)).text
+    assert f">Palpate {__version__} ·" in page
+    assert f'name="version" value="{__version__}"' not in page
 
 
 def test_what_an_editor_does_not_see_stays(client: TestClient, store: Store, token: Token) -> None:

@@ -20,7 +20,17 @@ from palpate.store.visible_things import visible_thing
 from tests.server.conftest import SMALL
 from tests.store.made_up import squeeze
 
-WRITTEN = {"1": 1.0, "-0.5": -0.5, "+3.": 3.0, ".25": 0.25, "1e5": 1e5, "1.2E-3": 0.0012, "0010": 10.0}
+WRITTEN = {
+    "1": 1.0,
+    "-0.5": -0.5,
+    "+3.": 3.0,
+    ".25": 0.25,
+    "1e5": 1e5,
+    "1.2E-3": 0.0012,
+    "0010": 10.0,
+    "0.0e9": 0.0,
+    "5e-324": 5e-324,
+}
 OTHERWISE = (
     "1_000",
     "١٢",
@@ -38,6 +48,8 @@ OTHERWISE = (
     "nan",
     "inf",
     "1e400",
+    "1e-400",
+    "-0.01e-400",
 )
 NO_LABELS = tuple(set(OTHERWISE) - {"0x10", "1e", "e5", ".", "½"})
 
@@ -66,6 +78,8 @@ def test_a_label_is_a_word() -> None:
     assert typed_entry({"property": "material", "value": "steel 304"}) == Distribution("material", {"steel 304": 1.0})
     with pytest.raises(StoreError, match=r"found 'heavy' beside a unit, .* a label has no unit"):
         typed_entry({"property": "mass", "value": "heavy", "unit": "g"})
+    with pytest.raises(StoreError, match=r"^sd: found '0.1' beside the label 'wood', .* a label has no SD"):
+        typed_entry({"property": "material", "value": "wood", "sd": "0.1"})
 
 
 def test_forms_refuse_it(tmp_path: Path) -> None:

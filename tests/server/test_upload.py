@@ -628,6 +628,23 @@ def test_a_typed_measurement(ann: TestClient, store: Store) -> None:
     assert (row.owner, row.visibility, row.entries) == ("ann", "lab", (Value("mass", 118.5, 0.5, "g"),))
     label = {**given, "property": "material", "value": "wood", "unit": "", "sd": ""}
     assert "wood 100%" in ann.post("/upload/one", data=label).text
+    assert "SD: found &#39;1&#39; beside the label" in ann.post("/upload/one", data={**label, "sd": "1"}).text
+    long = ann.post("/upload/one", data={**label, "object": "a" * 100_000}).text
+    assert (
+        "Object: found &#39;aaaaaaaaaaaaaaaaaaaa&#39; and so on, 100,000 letters; expected a name of 200 at most"
+        in long
+    )
+
+
+def test_a_measurement_typed_again_is_the_old_one(ann: TestClient) -> None:
+    """Who sees it stays as it was, and the page says so; the first time it says nothing of it."""
+    given = {"dataset": "our lab", "object": "mug", "action": "weighing", "property": "mass", "value": "1", "unit": "g"}
+    given["recorded_at"] = "2024-05-01T12:00"
+    told = "It was known already: it was kept before, and who sees it did not change."
+    first = ann.post("/upload/one", data={**given, "visibility": "public"})
+    again = ann.post("/upload/one", data={**given, "visibility": "private"})
+    assert (told in first.text, told in again.text) == (False, True)
+    assert first.url.path == again.url.path
 
 
 def test_a_number_that_is_none_is_not_kept(ann: TestClient, store: Store) -> None:

@@ -15,6 +15,7 @@ from palpate.store.records import Channel, Device, FileItem, Pose, Recording, Se
 from tests.store.made_up import GRIPPER, recordings, squeeze
 
 HALF_PAIR = "\ud800"
+LONG = "a" * 201
 TWO: Any = (0.0, 0.0)
 ENDLESS: dict[str, Any] = {}
 ENDLESS["in"] = ENDLESS
@@ -54,6 +55,18 @@ REFUSED = [
     ({"setup": Setup(gripper=Device("gripper", "\ufeffx"))}, r"setup.gripper.name: letter 1 is U\+FEFF"),
     ({"setup": Setup(other=(Device("other", "x", "a\u200db"),))}, r"setup.other\[0\].maker: letter 2 is U\+200D"),
     ({"thing": ThingRef("a", "b", aliases=("",))}, r"thing.aliases\[0\]: is empty"),
+    ({"action": LONG}, "action: found 'aaaaaaaaaaaaaaaaaaaa' and so on, 201 letters; expected a name of 200 at most"),
+    ({"owner": LONG}, "owner: found 'a{20}' and so on, 201 letters"),
+    ({"thing": ThingRef(LONG, "a")}, "thing.dataset: found .* 201 letters"),
+    ({"thing": ThingRef("ycb", LONG)}, "thing.id: found .* 201 letters"),
+    ({"thing": ThingRef("ycb", "a", LONG)}, "thing.maker: found .* 201 letters"),
+    ({"thing": ThingRef("ycb", "a", None, LONG)}, "thing.common_name: found .* 201 letters"),
+    ({"thing": ThingRef("ycb", "a", aliases=("b", LONG))}, r"thing.aliases\[1\]: found .* 201 letters"),
+    ({"setup": Setup(gripper=Device("gripper", LONG))}, "setup.gripper.name: found .* 201 letters"),
+    ({"setup": Setup(other=(Device("other", "x", LONG),))}, r"setup.other\[0\].maker: found .* 201 letters"),
+    ({"entries": (Value(LONG, 1.0),)}, r"entries\[0\].property: found .* 201 letters"),
+    ({"entries": (FailedEntry("no contact", LONG),)}, r"entries\[0\].property: found .* 201 letters"),
+    ({"entries": (Distribution("material", {LONG: 1.0}),)}, r"entries\[0\].probabilities: found .* 201 letters"),
     ({"setup": Setup(arm=GRIPPER)}, "setup.arm.kind: found 'gripper', expected 'arm'"),
     ({"setup": Setup(other=(Device("hand", "x"),))}, r"setup.other\[0\].kind: found 'hand'"),
     (
@@ -162,6 +175,16 @@ def test_the_digest_sees_every_sample() -> None:
     assert one.digest != squeeze(series=one_channel(values=np.nextafter(values, 9.0))).digest
     assert one.digest != squeeze(series=one_channel(values=values.astype(np.float32))).digest
     assert one.digest != squeeze(series=one_channel(values=values, time_s=values)).digest
+
+
+def test_what_a_store_has_kept_may_have_long_names() -> None:
+    """They were taken before; what has 200 letters, of whatever script, is taken now."""
+    for name, is_new in ((LONG, False), ("\u6771" * 200, True)):
+        thing, gripper = ThingRef(name, name, name, name, aliases=(name,)), Device("gripper", name, name)
+        entries = (Value(name, 1.0), Distribution("material", {name: 1.0}))
+        check(
+            squeeze(action=name, owner=name, thing=thing, setup=Setup(gripper=gripper), entries=entries), is_new=is_new
+        )
 
 
 def test_what_a_store_has_kept_may_have_hidden_letters() -> None:

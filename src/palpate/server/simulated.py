@@ -12,13 +12,14 @@ import numpy as np
 from palpate.estimators.squeezing import Jaws, squeeze
 from palpate.network.model import KnownObject, Network
 from palpate.outcomes import Above, Failed, Reading
+from palpate.server.security.accounts import EXAMPLE
 from palpate.store.entries import Bound, Entry, FailedEntry, Value
 from palpate.store.records import Channel, Device, Recording, Series, Setup, ThingRef
 
 __all__ = ["DATASET", "OWNER", "simulated", "true_value"]
 
 DATASET = "simulated"
-OWNER = "the example"
+OWNER = EXAMPLE
 NOTICE = "simulated by a program from a spring and noise: nothing was measured"
 FIRST = datetime(2025, 1, 1, 9, tzinfo=UTC)
 SEED = 20250101

@@ -22,7 +22,7 @@ def typed_number(where: str, text: str) -> float:
     Raises
     ------
     StoreError
-        If it is no finite number.
+        If it is no finite number, or one that would become 0.
 
     Examples
     --------
@@ -38,6 +38,8 @@ such as 118.5 or 1.2e-3
         raise StoreError(f"{where}: found {text[:40]!r}, {EXPECTED}")
     if not isfinite(found):
         raise StoreError(f"{where}: found {text[:40]!r}, expected a finite number")
+    if found == 0 and any(digit in "123456789" for digit in re.split("[eE]", text)[0]):
+        raise StoreError(f"{where}: found {text[:40]!r}, which is too small to be told from 0; {EXPECTED}")
     return found
 
 
@@ -60,6 +62,8 @@ def typed_entry(fields: Mapping[str, str]) -> Entry:
     if not _is_like_a_number(value):
         if unit:
             raise StoreError(f"value: found {value[:40]!r} beside a unit, {EXPECTED}; a label has no unit")
+        if sd:
+            raise StoreError(f"sd: found {sd[:40]!r} beside the label {value[:40]!r}, expected none: a label has no SD")
         return Distribution(name, {value: 1.0})
     return Value(name, typed_number("value", value), typed_number("sd", sd) if sd else None, unit or None)
 

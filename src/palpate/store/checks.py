@@ -20,6 +20,7 @@ from palpate.store.texts import (
     LARGEST_SI,
     check_encoding,
     check_json,
+    check_length,
     check_name,
     check_number,
     check_numbers,
@@ -55,16 +56,16 @@ def check(
         The present, to which a recording may be ahead by a minute, as clocks differ.
     is_new
         Whether no store has had it. What one has kept may be older than the dimension of a quantity that everybody
-        knows by now (see `palpate.store.quantities`) and than the limits of `palpate.store.sizes`, and is not held to
-        them.
+        knows by now (see `palpate.store.quantities`) and than the limits of `palpate.store.sizes` and of names, and
+        is not held to them.
 
     Raises
     ------
     StoreError
-        Naming the field: an empty name, one with a letter that nobody sees, an unknown unit or one of another
-        dimension, a number that is not finite, probabilities that do not sum to one, channels that do not fit
-        together, a time in the future or without a time zone, a result that is said to be true and cannot be, a file
-        that is not there, a value that JSON cannot hold, more than one measurement says.
+        Naming the field: an empty name, one that is too long or has a letter that nobody sees, an unknown unit
+        or one of another dimension, a number that is not finite, probabilities that do not sum to one,
+        channels that do not fit together, a time in the future or without a time zone, a result that is said to be
+        true and cannot be, a file that is not there, a value that JSON cannot hold, more than one measurement says.
 
     Examples
     --------
@@ -125,7 +126,7 @@ def check_embargo(moment: datetime | None) -> None:
 
 
 def _check_visible(recording: Recording) -> None:
-    """Refuse names of which a part is hidden; what a store has kept may be older than this."""
+    """Refuse names of which a part is hidden, or that are too long; what a store has kept may be older than this."""
     setup = recording.setup
     devices = [(f"setup.{kind}", getattr(setup, kind)) for kind in DEVICE_KINDS[:-1]]
     devices += [(f"setup.other[{place}]", device) for place, device in enumerate(setup.other)]
@@ -138,7 +139,7 @@ def _check_visible(recording: Recording) -> None:
 
 
 def check_thing(thing: ThingRef, *, is_new: bool = False) -> None:
-    """Refuse a description of an object that cannot be kept; where it is new, also one with a hidden letter."""
+    """Refuse a description of an object that cannot be kept; of a new one also names that `check_visible` refuses."""
     check_name("thing.dataset", thing.dataset)
     check_name("thing.id", thing.id)
     check_text("thing.maker", thing.maker)
@@ -209,6 +210,8 @@ def _check_files(files: Sequence[FileItem]) -> None:
 
 def check_entry(where: str, entry: Entry, units: Mapping[str, str | None], *, is_new: bool = True) -> None:
     """Refuse a result that cannot be kept; `units` and `is_new` as for `check`."""
+    if is_new:
+        _check_lengths(where, entry)
     if isinstance(entry, FailedEntry):
         check_name(f"{where}.reason", entry.reason)
         check_text(f"{where}.property", entry.property)
@@ -225,6 +228,14 @@ def check_entry(where: str, entry: Entry, units: Mapping[str, str | None], *, is
     if is_new:
         check_quantity(f"{where}.unit", entry.unit, entry.property)
         _check_magnitudes(where, entry)
+
+
+def _check_lengths(where: str, entry: Entry) -> None:
+    """Refuse a property or a label of which the name is too long."""
+    check_length(f"{where}.property", entry.property)
+    if isinstance(entry, Distribution):
+        for label in entry.probabilities:
+            check_length(f"{where}.probabilities", label)
 
 
 def _check_magnitudes(where: str, entry: Value | Interval | Bound) -> None:

@@ -8,9 +8,20 @@ from collections.abc import Mapping, Sequence
 from palpate.invisible import hidden_letter
 from palpate.store.errors import StoreError
 
-__all__ = ["check_encoding", "check_json", "check_name", "check_number", "check_numbers", "check_text", "check_visible"]
+__all__ = [
+    "check_encoding",
+    "check_json",
+    "check_length",
+    "check_name",
+    "check_number",
+    "check_numbers",
+    "check_text",
+    "check_visible",
+]
 
 DEEPEST = 100
+LONGEST_NAME = 200
+"""Letters of a name: so many fit into an address, whatever they are, and are still read."""
 LARGEST_SI = 1e100
 """No physical measurement is larger in SI units; squares and sums of such numbers are numbers too."""
 
@@ -44,10 +55,21 @@ def check_name(where: str, text: object) -> None:
 
 
 def check_visible(where: str, text: object) -> None:
-    """Refuse a name that looks like another one, or turns what stands around it; None is none."""
-    hidden = hidden_letter(text) if isinstance(text, str) else None
+    """Refuse a name that looks like another one, turns what stands around it, or is too long; None is none."""
+    if not isinstance(text, str):
+        return
+    hidden = hidden_letter(text)
     if hidden is not None:
-        raise StoreError(f"{where}: {hidden}, which nobody sees in {text!r}; expected a name of letters that show")
+        found = text[:LONGEST_NAME]
+        raise StoreError(f"{where}: {hidden}, which nobody sees in {found!r}; expected a name of letters that show")
+    check_length(where, text)
+
+
+def check_length(where: str, text: object) -> None:
+    """Refuse a name that is too long to be one; None is none."""
+    if isinstance(text, str) and len(text) > LONGEST_NAME:
+        told = f"{text[:20]!r} and so on, {len(text):,} letters"
+        raise StoreError(f"{where}: found {told}; expected a name of {LONGEST_NAME} at most")
 
 
 def check_text(where: str, text: object) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends
+from fastapi import APIRouter, Depends, Request
 from fastapi.responses import Response
 
 from palpate.server.api.answers import answer
@@ -15,7 +15,7 @@ from palpate.server.problems import problem
 from palpate.server.security import accounts, tokens
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.managing import Accounts
-from palpate.server.security.who import needs
+from palpate.server.security.who import latest_end_of, needs
 from palpate.store.errors import StoreError, UnavailableError
 
 __all__ = ["router"]
@@ -41,10 +41,10 @@ def list_tokens(store: StoreOf, who: Somebody) -> Response:
 
 
 @router.post("/tokens", response_model=NewToken, status_code=201)
-def make_token(store: StoreOf, who: Somebody, asked: TokenAsked) -> Response:
-    """Make a token of one's own, which may do no more than the one that asks; it is told this once."""
+def make_token(request: Request, store: StoreOf, who: Somebody, asked: TokenAsked) -> Response:
+    """Make a token of one's own, which may do no more than the one that asks and ends no later; told this once."""
     role = None if asked.role is None else Role.parse(asked.role)
-    return answer({"token": Accounts(store, who).make_token(role, asked.days)}, 201)
+    return answer({"token": Accounts(store, who).make_token(role, asked.days, latest_end_of(request))}, 201)
 
 
 @router.delete("/tokens/{id}", status_code=204)

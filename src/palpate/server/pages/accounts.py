@@ -13,12 +13,12 @@ from palpate.server.api.parameters import StoreOf
 from palpate.server.pages.sessions import begin_session
 from palpate.server.pages.templates import page
 from palpate.server.problems import problem
-from palpate.server.security.accounts import Account, Role, users
+from palpate.server.security.accounts import Account, Role, has_account, users
 from palpate.server.security.lifetimes import SESSION_DAYS
 from palpate.server.security.managing import Accounts
 from palpate.server.security.sites import form_of
 from palpate.server.security.tokens import issue, number_of, tokens
-from palpate.server.security.who import SESSION, needs
+from palpate.server.security.who import SESSION, latest_end_of, needs
 from palpate.server.state import state_of
 from palpate.server.typed_entries import typed_number
 from palpate.store.errors import StoreError, UnavailableError
@@ -48,7 +48,8 @@ async def change_own(request: Request, store: StoreOf, who: Somebody) -> Respons
             return await _change_password(request, accounts, fields)
         if do == "token":
             role = Role.parse(fields.get("role", ""))
-            secret = await run_in_threadpool(accounts.make_token, role, _days(fields))
+            until_us = await run_in_threadpool(latest_end_of, request)
+            secret = await run_in_threadpool(accounts.make_token, role, _days(fields), until_us)
             return await run_in_threadpool(_own, request, accounts, secret=secret)
         await run_in_threadpool(accounts.end_token, _number(fields))
     except UnavailableError:
@@ -86,6 +87,7 @@ def _own(request: Request, accounts: Accounts, *, fault: str | None = None, secr
         sessions=[one for one in held if one.is_session],
         here=number_of(accounts.store, request.cookies.get(SESSION, "")),
         is_admin=accounts.who.role is Role.ADMIN,
+        has_account=has_account(accounts.store, accounts.who.name),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
 from typing import Annotated
 from uuid import UUID
 
@@ -14,7 +15,7 @@ from pydantic import BaseModel, ConfigDict
 from palpate.server.api.parameters import StoreOf
 from palpate.server.api.queries import Text
 from palpate.server.api.series import cell_text
-from palpate.server.benchmark import Agreement, agreements
+from palpate.server.benchmark import Cell, agreements
 from palpate.server.memory import Memory
 from palpate.server.pages.allowance import MOST_NUMBERS
 from palpate.server.pages.colours import colours_of
@@ -90,19 +91,21 @@ def plot(store: StoreOf, who: Who, property: Text, dark: Dark = False) -> Respon
 
 
 @router.get("/table.csv")
-def table(store: StoreOf, who: Who, property: Text = "") -> Response:
-    """The table of a comparison as CSV, a row for each device and object."""
+def table(store: StoreOf, who: Who, property: Text = "", object: Text | None = None) -> Response:
+    """The table of a comparison as CSV, a row for each device and object; of one object where one is asked for."""
     headers = {"Content-Disposition": 'attachment; filename="comparison.csv"'}
-    return Response(_csv(agreements(store, who.viewer, property)), 200, headers, "text/csv")
+    found = agreements(store, who.viewer, property)
+    cells = [cell for cell in found.cells if object in (None, "/".join(cell.key))]
+    return Response(_csv(cells, found.unit), 200, headers, "text/csv")
 
 
-def _csv(found: Agreement) -> str:
+def _csv(cells: Sequence[Cell], unit: str | None) -> str:
     lines = io.StringIO()
     writer = csv.writer(lines)
     writer.writerow(
         ("device", "dataset", "object", "unit", "count", "bounds_only", "mean", "sd", "true_value", "error")
     )
-    for cell in found.cells:
+    for cell in cells:
         names = map(cell_text, (cell.device, cell.dataset, cell.thing))
-        writer.writerow((*names, found.unit, cell.count, cell.censored, cell.mean, cell.sd, cell.truth, cell.error))
+        writer.writerow((*names, unit, cell.count, cell.censored, cell.mean, cell.sd, cell.truth, cell.error))
     return lines.getvalue()

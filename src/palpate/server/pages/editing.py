@@ -69,7 +69,7 @@ def _page(
     request: Request, corrections: Corrections, given: Fields, fault: str | None, status: int = 200
 ) -> HTMLResponse:
     thing = corrections.thing
-    told = {"history": corrections.history()[:30], "last": corrections.last(), "version": version_of(thing)}
+    told = {"history": corrections.history()[:30], "last": corrections.last(), "thing_version": version_of(thing)}
     return page(request, "edit.html", status, None, thing=thing, given=given, fault=fault, **told)
 
 

@@ -69,6 +69,7 @@ class About:
 
     name: str
     plot: Shown | None
+    has_truth: bool
     labels: Sequence[tuple[str, int]]
     others: Sequence[Alike]
     others_count: int
@@ -138,8 +139,9 @@ def _about(name: str, results: Sequence[Result], thing: Thing, colours: Mapping[
     own = [result for result in results if result.property == name]
     labels = Counter(result.label for result in own if result.label is not None)
     others = [result for result in own if result.value is None and result.label is None]
-    plot = shown(_points(name, own, thing, colours), _figure(thing, "plot", name))
-    return About(name, plot, labels.most_common(), alike(others), len(others), len(own))
+    points = _points(name, own, thing, colours)
+    plot, has_truth = shown(points, _figure(thing, "plot", name)), points is not None and bool(points.levels)
+    return About(name, plot, has_truth, labels.most_common(), alike(others), len(others), len(own))
 
 
 def _points(name: str, own: Sequence[Result], thing: Thing, colours: Mapping[str, int]) -> Plot | None:

@@ -13,6 +13,7 @@ from palpate.server.api.sounds import is_sound
 from palpate.server.memory import Memory
 from palpate.server.pages.allowance import MOST_NUMBERS, Allowance
 from palpate.server.pages.citing import citation
+from palpate.server.pages.saved import saved
 from palpate.server.pages.sharing import form_values
 from palpate.server.pages.shown import Dark, figure
 from palpate.server.pages.signals import (
@@ -57,6 +58,7 @@ def one(request: Request, store: StoreOf, who: Who, head: SeenRecording, memory:
         "recording.html",
         head=head,
         plain=head.document,
+        saved=saved(request),
         sharing=form_values(store, who, schema.recordings, head.id),
         signals=list(shown_signals(store, head, left)),
         series_left_out=len(head.series[MOST_SERIES:]),

@@ -18,7 +18,7 @@ from starlette.datastructures import FormData, UploadFile
 from palpate.server.api.parameters import StoreOf
 from palpate.server.memory import Memory
 from palpate.server.pages.allowance import Allowance
-from palpate.server.pages.templates import page
+from palpate.server.pages.templates import page, search
 from palpate.server.pages.waiting import Owner, Waiting, gone, waiting_preview
 from palpate.server.plausible import check_plausible
 from palpate.server.problems import ProblemError, problem
@@ -139,7 +139,8 @@ async def by_hand(request: Request, store: StoreOf, who: Owner) -> Response:
         raise
     except StoreError as error:
         return await run_in_threadpool(_form, request, who, fields, str(error))
-    return RedirectResponse(f"/recordings/{receipt.id}", 303)
+    address = f"/recordings/{receipt.id}"
+    return RedirectResponse(address if receipt.new else search(address, saved="again"), 303)
 
 
 def _keep_typed(store: Store, who: Account, fields: Mapping[str, str]) -> Receipt:

@@ -10,9 +10,11 @@ from markupsafe import Markup, escape
 from palpate.invisible import shown
 from palpate.server.plots.scale import Scale
 
-__all__ = ["Drawing", "number", "with_sd"]
+__all__ = ["MOST_OF_LINE", "MOST_OF_ROW", "Drawing", "number", "short", "with_sd"]
 
 COLOURS = 8
+MOST_OF_ROW, MOST_OF_LINE = 26, 110
+"""Letters that fit at the left of a row, and across a plot."""
 SMALLEST_SD, LARGEST = 1e-4, 1e7
 """Beyond them numbers have a power of ten."""
 
@@ -45,6 +47,17 @@ def with_sd(value: float, sd: float | None) -> str:
     while "." in told[0] and all(one.endswith(("0", ".")) for one in told):
         told = [one[:-1] for one in told]
     return " ± ".join(told)
+
+
+def short(name: str, most: int) -> str:
+    """A text that fits where there is room for so many letters.
+
+    Examples
+    --------
+    >>> short("a gripper with a name that is long", 26)
+    'a gripper with a name tha…'
+    """
+    return name if len(name) <= most else name[: most - 1] + "…"
 
 
 class Drawing:
@@ -101,10 +114,15 @@ class Drawing:
         place = f'x="{x}" y="{y}" width="{width}" height="{height}" preserveAspectRatio="none"'
         self._parts.append(f'<image href="{escape(address)}" {place}/>')
 
-    def text(self, x: float, y: float, words: str, kind: str = "", anchor: str = "start") -> None:
-        """Words."""
+    def text(
+        self, x: float, y: float, words: str, kind: str = "", anchor: str = "start", most: int = MOST_OF_LINE
+    ) -> None:
+        """Words; of more than fit the beginning, with all of them in a title."""
+        whole = shown(words)
+        told = short(whole, most)
+        title = f"<title>{escape(whole)}</title>" if told != whole else ""
         head = f'<text x="{x}" y="{y}" class="{escape(kind)}" text-anchor="{escape(anchor)}">'
-        self._parts.append(f"{head}{escape(shown(words))}</text>")
+        self._parts.append(f"{head}{escape(told)}{title}</text>")
 
     def across_axis(self, across: Scale, top: float, bottom: float, label: str) -> None:
         """Ticks below, lines up from them, and what it is."""

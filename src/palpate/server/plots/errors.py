@@ -9,7 +9,6 @@ from palpate.server.benchmark import Agreement, Cell
 from palpate.server.names import thing_address
 from palpate.server.plots.drawing import with_sd
 from palpate.server.plots.plot import Level, Plot, Point, Row
-from palpate.server.plots.svg import short
 from palpate.store.records import ThingRef
 
 __all__ = ["errors_plot"]
@@ -28,7 +27,7 @@ def errors_plot(found: Agreement, colours: Mapping[str, int], device: str | None
     if not things:
         return None
     devices = [one.device for one in found.devices]
-    rows = {thing: Row(short(thing[1]), "", ROW * place, ROW * (place + 1)) for place, thing in enumerate(things)}
+    rows = {thing: Row(thing[1], "", ROW * place, ROW * (place + 1)) for place, thing in enumerate(things)}
     points = [
         _point(found, cell, rows[cell.dataset, cell.thing], devices, colours)
         for cell in cells

@@ -13,10 +13,10 @@ import numpy as np
 
 from palpate.invisible import shown
 from palpate.server.plots.colours import page_colours
-from palpate.server.plots.drawing import COLOURS
+from palpate.server.plots.drawing import COLOURS, MOST_OF_LINE, MOST_OF_ROW, short
 from palpate.server.plots.plot import Curve, Look, Plot, thinned
 from palpate.server.plots.scale import Scale, spanning
-from palpate.server.plots.svg import HEIGHT, LEFT, LEFT_OF_ROWS, short
+from palpate.server.plots.svg import HEIGHT, LEFT, LEFT_OF_ROWS
 
 if TYPE_CHECKING:
     from bokeh.models import ColumnDataSource
@@ -70,7 +70,7 @@ def _empty(plot: Plot) -> figure:
         sizing_mode="stretch_width",
         x_range=Range1d(start=across.low, end=across.high),
         y_range=Range1d(start=up.low, end=up.high),
-        x_axis_label=PlainText(text=shown(plot.across)),
+        x_axis_label=PlainText(text=short(shown(plot.across), MOST_OF_LINE)),
         tools="",
         toolbar_location="above",
         min_border_left=round(LEFT_OF_ROWS if plot.rows else LEFT),
@@ -82,7 +82,7 @@ def _empty(plot: Plot) -> figure:
         found.yaxis.ticker = FixedTicker(ticks=list(places))
         found.yaxis.major_label_overrides = {place: PlainText(text=shown(name)) for place, name in places.items()}
     else:
-        found.yaxis.axis_label = PlainText(text=shown(plot.up or ""))
+        found.yaxis.axis_label = PlainText(text=short(shown(plot.up or ""), MOST_OF_ROW))
     return found
 
 
@@ -95,7 +95,8 @@ def _title(note: str, colours: Colours) -> Title:
 
 
 def _named(name: str, note: str) -> str:
-    return f"{short(name)}\n{note}" if note else short(name)
+    told = short(name, MOST_OF_ROW)
+    return f"{told}\n{note}" if note else told
 
 
 def _add_tools(found: figure) -> None:

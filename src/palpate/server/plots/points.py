@@ -11,7 +11,6 @@ import numpy as np
 from palpate.errors import plural
 from palpate.server.plots.drawing import number, with_sd
 from palpate.server.plots.plot import Curve, Level, Look, Plot, Point, Row
-from palpate.server.plots.svg import short
 from palpate.store.visible_results import Result
 
 __all__ = ["points_plot"]
@@ -50,7 +49,7 @@ def points_plot(
     for name, group in sorted(groups.items()):
         colour = colours[name]
         mean, bottom = fmean(one.value or 0.0 for one in group), top + _height(group)
-        rows.append(Row(short(name, 24), f"{number(mean)}, n = {len(group)}", top, bottom))
+        rows.append(Row(name, f"{number(mean)}, n = {len(group)}", top, bottom))
         points += _points(group, top, bottom, colour)
         stretch = np.array([top + 3, bottom - 3])
         means.append(Curve(np.full(2, mean), stretch, name, colour, Look.MEAN))

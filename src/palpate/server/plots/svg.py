@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 from markupsafe import Markup
 
-from palpate.server.plots.drawing import COLOURS, Drawing
+from palpate.server.plots.drawing import COLOURS, MOST_OF_ROW, Drawing
 from palpate.server.plots.plot import Curve, Look, Numbers, Plot, Point, thinned
 from palpate.server.plots.scale import Scale, spanning
 
-__all__ = ["HEIGHT", "LEFT", "LEFT_OF_ROWS", "short", "svg"]
+__all__ = ["HEIGHT", "LEFT", "LEFT_OF_ROWS", "svg"]
 
 WIDTH, RIGHT, BOTTOM = 760.0, 16.0, 44.0
 LEFT, TOP, HEIGHT = 64.0, 26.0, 180.0
@@ -46,7 +46,7 @@ def _in_rows(plot: Plot) -> Markup:
     drawing.across_axis(across, TOP_OF_ROWS, bottom, plot.across)
     for row in plot.rows:
         middle = down.at((row.top + row.bottom) / 2)
-        drawing.text(LEFT_OF_ROWS - 10, middle + (0 if row.note else 4), row.name, "name", "end")
+        drawing.text(LEFT_OF_ROWS - 10, middle + (0 if row.note else 4), row.name, "name", "end", MOST_OF_ROW)
         if row.note:
             drawing.text(LEFT_OF_ROWS - 10, middle + 13, row.note, "tick", "end")
         drawing.line(LEFT_OF_ROWS, down.at(row.bottom), WIDTH - RIGHT, down.at(row.bottom), "grid")
@@ -82,14 +82,3 @@ def _pieces(curve: Curve) -> Iterator[tuple[Numbers, Numbers]]:
     for a, b, fine in zip(np.split(x, cuts), np.split(y, cuts), np.split(there, cuts), strict=True):
         if len(fine) and fine[0]:
             yield a, b
-
-
-def short(name: str, most: int = 26) -> str:
-    """A name that fits at the left of a row.
-
-    Examples
-    --------
-    >>> short("a gripper with a name that is long")
-    'a gripper with a name tha…'
-    """
-    return name if len(name) <= most else name[: most - 1] + "…"

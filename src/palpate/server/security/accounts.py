@@ -16,10 +16,26 @@ from palpate.store.errors import StoreError
 from palpate.store.registry import now_us
 from palpate.store.rows import moment_at
 from palpate.store.store import Store
-from palpate.store.texts import check_name
+from palpate.store.texts import check_length, check_name
 from palpate.store.viewing import Viewer
 
-__all__ = ["Account", "Role", "User", "add_user", "no_account", "set_role", "users"]
+__all__ = [
+    "EXAMPLE",
+    "HOST_NAME",
+    "Account",
+    "Role",
+    "User",
+    "add_user",
+    "has_account",
+    "no_account",
+    "set_role",
+    "users",
+]
+
+HOST_NAME = "owner of the store"
+"""Whoever started the server, on their own computer."""
+EXAMPLE = "the example"
+"""Whose the recordings of the example are."""
 
 
 class Role(IntEnum):
@@ -98,6 +114,9 @@ def add_user(store: Store, name: str, role: Role, email: str | None = None) -> N
         If the name is taken, or cannot be one.
     """
     check_name("name", name)
+    check_length("name", name)
+    if name.casefold() in (HOST_NAME, EXAMPLE):
+        raise StoreError(f"name: found {name!r}, which the service itself has; expected another one")
     if name != name.strip() or any(not letter.isprintable() for letter in name):
         raise StoreError(f"name: found {name!r}, expected one without spaces around it, all of it printable")
     columns = schema.users.c
@@ -106,6 +125,12 @@ def add_user(store: Store, name: str, role: Role, email: str | None = None) -> N
             raise StoreError(f"name: {name!r} has an account, expected another one")
         row = {"name": name, "role": role.name.lower(), "email": email, "created_us": now_us()}
         connection.execute(insert(schema.users).values(**row))
+
+
+def has_account(store: Store, name: str | None) -> bool:
+    """Whether there is an account of a name; who comes by the key of the store has none."""
+    with store.engine.connect() as connection:
+        return connection.scalar(select(schema.users.c.id).where(schema.users.c.name == name)) is not None
 
 
 def set_role(store: Store, name: str, role: Role) -> None:

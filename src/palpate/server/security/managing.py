@@ -15,7 +15,6 @@ from palpate.store.store import Store
 
 __all__ = ["Accounts"]
 
-DAYS = 365.0
 LETTERS = "abcdefghjkmnpqrstuvwxyz23456789"
 """Of passwords that are told: none that looks like another one."""
 
@@ -41,11 +40,11 @@ class Accounts:
         set_password(self.store, self.name, new)
         self._note(self.name, "changed the password")
 
-    def make_token(self, role: Role | None, days: float = DAYS) -> str:
-        """One's own, which may do no more than who asks now."""
+    def make_token(self, role: Role | None, days: float, until_us: int | None) -> str:
+        """One's own, which may do no more than who asks now, and ends at `until_us` at the latest."""
         if role is not None and role > self.who.role:
             raise StoreError(f"role: is {role.name.lower()}, expected {self.who.role.name.lower()} or less")
-        secret = issue(self.store, self.name, role or self.who.role, days=days)
+        secret = issue(self.store, self.name, role or self.who.role, days=days, until_us=until_us)
         self._note(self.name, f"made a token for {(role or self.who.role).with_article}")
         return secret
 

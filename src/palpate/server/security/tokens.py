@@ -24,7 +24,7 @@ from palpate.store.registry import now_us
 from palpate.store.rows import moment_at
 from palpate.store.store import Store
 
-__all__ = ["Token", "account_of", "end", "issue", "number_of", "revoke", "tokens"]
+__all__ = ["Token", "account_of", "end", "issue", "latest_end_us", "number_of", "revoke", "tokens"]
 
 PREFIX = "palpate_"
 """Begins each token, so that one that was published by mistake can be found."""
@@ -48,7 +48,9 @@ class Token:
         return self.revoked_at is None and (self.expires_at is None or self.expires_at > moment_at(now_us()))
 
 
-def issue(store: Store, name: str, role: Role | None = None, *, days: float | None = 365.0) -> str:
+def issue(
+    store: Store, name: str, role: Role | None = None, *, days: float | None = 365.0, until_us: int | None = None
+) -> str:
     """Make a token for an account.
 
     Parameters
@@ -57,6 +59,8 @@ def issue(store: Store, name: str, role: Role | None = None, *, days: float | No
         What it may do at most; all that the account may unless given.
     days
         After how many it expires; never where it is None.
+    until_us
+        When it expires at the latest.
 
     Returns
     -------
@@ -81,7 +85,8 @@ def issue(store: Store, name: str, role: Role | None = None, *, days: float | No
         now = now_us()
         token = {"user_id": row.id, "digest": digest_of(secret), "role": (role or own).name.lower(), "created_us": now}
         expires = None if days is None else now + int(days * MICROSECONDS_PER_DAY)
-        connection.execute(insert(schema.tokens).values(**token, expires_us=expires))
+        ends = [one for one in (expires, until_us) if one is not None]
+        connection.execute(insert(schema.tokens).values(**token, expires_us=min(ends, default=None)))
     return secret
 
 
@@ -143,6 +148,22 @@ def tokens(store: Store, user: str | None = None) -> tuple[Token, ...]:
         asked = asked.where(schema.users.c.name == user)
     with store.engine.connect() as connection:
         return tuple(_token(row) for row in connection.execute(asked.order_by(columns.id)))
+
+
+def latest_end_us(store: Store, secret: str, *, in_browser: bool) -> int | None:
+    """When what is made by a token ends at the latest: with it; None where it may last as long as somebody likes.
+
+    Who has logged in with a browser makes tokens that last, which is what the page of an account is for. A session of a
+    log-in lasts exactly as long as all of them: another short token, sent as if it were one, is none.
+    """
+    columns = schema.tokens.c
+    with store.engine.connect() as connection:
+        asked = select(columns.created_us, columns.expires_us).where(columns.digest == digest_of(secret))
+        row = connection.execute(asked).first()
+    if row is None or row.expires_us is None:
+        return None
+    is_log_in = in_browser and row.expires_us - row.created_us == LONGEST_SESSION_US
+    return None if is_log_in else int(row.expires_us)
 
 
 def digest_of(secret: str) -> bytes:

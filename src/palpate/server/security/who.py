@@ -10,18 +10,16 @@ from fastapi import Depends, Request
 from fastapi.security import HTTPBearer
 
 from palpate.server.problems import problem
-from palpate.server.security.accounts import Account, Role
+from palpate.server.security.accounts import HOST_NAME, Account, Role
 from palpate.server.security.sites import check_same_site
-from palpate.server.security.tokens import account_of
+from palpate.server.security.tokens import account_of, latest_end_us
 from palpate.server.state import state_of
 
-__all__ = ["COOKIE", "SESSION", "Who", "needs"]
+__all__ = ["COOKIE", "SESSION", "Who", "latest_end_of", "needs"]
 
 COOKIE, SESSION = "palpate-key", "palpate-session"
 TOKEN = HTTPBearer(scheme_name="token", description="A token of `palpate user token`.", auto_error=False)
 """For the document of the service: which operations need one."""
-HOST_NAME = "owner of the store"
-"""Whoever started the server, on their own computer."""
 
 
 def account(request: Request) -> Account:
@@ -48,6 +46,13 @@ def _account(request: Request) -> Account:
 
 
 Who = Annotated[Account, Depends(account)]
+
+
+def latest_end_of(request: Request) -> int | None:
+    """When a token that is made by this request ends at the latest, in microseconds; None where nothing limits it."""
+    _, _, secret = request.headers.get("authorization", "").partition(" ")
+    given = secret.strip() or request.cookies.get(SESSION, "")
+    return latest_end_us(state_of(request).store, given, in_browser=not secret)
 
 
 def needs(role: Role) -> Callable[..., Awaitable[Account]]:
