@@ -123,7 +123,7 @@ def left_days(store: Store, secret: str) -> float:
     """How long a token holds from now."""
     digest = schema.tokens.c.digest == sha256(secret.encode()).digest()
     with store.engine.connect() as connection:
-        ends = connection.scalar(select(schema.tokens.c.expires_us).where(digest))
+        ends = connection.execute(select(schema.tokens.c.expires_us).where(digest)).scalar_one()
     return float(ends - now_us()) / MICROSECONDS_PER_DAY
 
 

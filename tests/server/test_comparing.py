@@ -56,7 +56,7 @@ def test_a_device_keeps_its_colour_from_page_to_page_and_when_others_come(client
             change_thing(store, thing, lambda thing: thing.knowing(Value("mass", 10.0, unit="g"), "a scale"))
         errors = client.get("/compare?property=mass").text
         found = re.findall(rf'class="dot c(\d)"><title>{name}:', errors)
-        devices = re.findall(r'class="dot c(\d)"/></svg> (\w+)</td>', errors)
+        devices = re.findall(r'class="dot c(\d)"/></svg> (\w+)</span></td>', errors)
         page = client.get("/objects/lab/cup").text
         mean = re.findall(r'class="mean c(\d)"', page)
         rows = re.findall(r'<text[^>]*class="name"[^>]*>(\w+)<', page)
@@ -127,7 +127,7 @@ def test_long_labels_of_plots_are_cut_and_told_whole(client: TestClient, store: 
     long, unknown = "w" * 200, Value("n" * 200, 1.0, unit="g")
     store.put_many([measured(1, long), measured(2, "left"), measured(3, "left", entry=unknown)])
     page = client.get("/objects/lab/cup").text
-    assert f">{'w' * 25}…<title>{long}</title></text>" in page
+    assert f">{'w' * 23}…<title>{long}</title></text>" in page
     assert f">{'n' * 109}…<title>{'n' * 200} [g]</title></text>" in page
     assert ">left</text>" in page
 

@@ -13,7 +13,7 @@ from palpate.server.plots.scale import Scale
 __all__ = ["MOST_OF_LINE", "MOST_OF_ROW", "Drawing", "number", "short", "with_sd"]
 
 COLOURS = 8
-MOST_OF_ROW, MOST_OF_LINE = 26, 110
+MOST_OF_ROW, MOST_OF_LINE = 24, 110
 """Letters that fit at the left of a row, and across a plot."""
 SMALLEST_SD, LARGEST = 1e-4, 1e7
 """Beyond them numbers have a power of ten."""
