@@ -96,6 +96,14 @@ def _postgresql(address: URL) -> Engine:
     except ImportError as error:
         raise StoreError(f"store {address!r}: needs psycopg, which is not installed: {extra('postgresql')}") from error
     tell_outages(engine)
+
+    @event.listens_for(engine, "connect")
+    def prepare(connection: Any, record: Any) -> None:
+        # questions are long and their answers short: to compile one takes seconds, and to answer it milliseconds
+        connection.autocommit = True
+        connection.execute("SET jit = off")
+        connection.autocommit = False
+
     return engine
 
 
