@@ -86,7 +86,13 @@ def test_an_archive_tells_nobody_more_than_the_store(store: Store, tmp_path: Pat
     with open_store(tmp_path / "other.sqlite", durable=False) as other:
         assert {one.fate for one in import_paths(other, [tmp_path / "archive"], [Archives()])} == {Fate.NEW}
         restored = find_thing(other, "lab/cup")
+        public = visible_thing(other, Viewer(), "lab", "cup")
+        assert public is not None
+        assert public.ref == replace(cup, aliases=("mug", "pot"))
         assert (restored.ref, restored.known) == (whole.ref, whole.known)
+        # what contradicts the rest is not in an archive, and shows in the store to who sees nothing else
+        change_thing(store, cup, lambda thing: thing.described(maker="Acme"), who="ann")
+        change_thing(other, cup, lambda thing: thing.described(maker="Acme"), who="ann")
         for viewer in (Viewer(), Viewer("eve", lab=True)):
             assert told(other, viewer) == told(store, viewer)
             assert "pot" in str(told(other, viewer)), "what a public recording says is seen"

@@ -33,24 +33,24 @@ def things_said(connection: Connection, recordings: Sequence[Recording]) -> Mapp
     return {one.digest: _held(one.thing, found.get(hidden[one.digest])) for one in recordings if one.digest in hidden}
 
 
-def _descriptions(connection: Connection, rows: Sequence[int]) -> dict[int | None, tuple[str | None, set[str | None]]]:
+def _descriptions(connection: Connection, rows: Sequence[int]) -> dict[int | None, tuple[str | None, list[str | None]]]:
     """Maker and names that descriptions say, by their rows."""
-    said, found = schema.descriptions.c, dict[int | None, tuple[str | None, set[str | None]]]()
+    said, found = schema.descriptions.c, dict[int | None, tuple[str | None, list[str | None]]]()
     for some in chunks(rows):
         asked = select(said.id, said.maker, said.common_name, said.aliases).where(said.id.in_(some))
         for row in connection.execute(asked):
             with legible(f"description {row.id}"):
-                found[row.id] = row.maker, {row.common_name, *json.loads(row.aliases)}
+                found[row.id] = row.maker, [row.common_name, *json.loads(row.aliases)]
     return found
 
 
-def _held(thing: ThingRef, said: tuple[str | None, set[str | None]] | None) -> ThingRef:
+def _held(thing: ThingRef, said: tuple[str | None, list[str | None]] | None) -> ThingRef:
     """What a recording says of an object that still holds, so that the rest completes it to what it was."""
-    maker, names = said or (None, set[str | None]())
+    maker, names = said or (None, list[str | None]())
     return ThingRef(
         thing.dataset,
         thing.id,
         maker=thing.maker if maker == thing.maker else None,
         common_name=thing.common_name if thing.common_name in names else None,
-        aliases=tuple(name for name in thing.aliases if name in names),
+        aliases=tuple(name for name in names if name in thing.aliases),
     )
