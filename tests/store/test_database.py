@@ -102,3 +102,11 @@ def test_a_schema_that_is_no_text_is_damage(tmp_path: Path) -> None:
     place.write_bytes(whole.replace(name, b"al\x8f" + name[3:]))
     with pytest.raises(DamagedError, match="the schema is no text"):
         open_store(place)
+
+
+def test_no_question_is_compiled(store: Store) -> None:
+    """PostgreSQL would take seconds to compile one that it answers at once."""
+    if store.engine.dialect.name != "postgresql":
+        pytest.skip("of PostgreSQL alone")
+    with store.engine.connect() as connection:
+        assert connection.exec_driver_sql("SHOW jit").scalar() == "off"
