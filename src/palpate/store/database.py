@@ -15,6 +15,7 @@ from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, DatabaseError
 
 from palpate.errors import extra
+from palpate.store.any_case import IN_SQLITE, small
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.outages import tell_outages
 from palpate.store.read_only import read_only_uri
@@ -113,10 +114,6 @@ def _pool(address: URL) -> dict[str, Any]:
     return {"pool_size": CONNECTIONS, "max_overflow": CONNECTIONS, "pool_use_lifo": True} if is_file else {}
 
 
-def _lower(text: str | bytes | float | None) -> str | bytes | float | None:
-    return text.lower() if isinstance(text, str) else text
-
-
 def _sqlite(address: URL, *, durable: bool, cache_bytes: int) -> Engine:
     path = address.database
     uri = None if path in (None, "", ":memory:") else read_only_uri(Path(path))
@@ -141,8 +138,7 @@ def _sqlite(address: URL, *, durable: bool, cache_bytes: int) -> Engine:
             raise DamagedError(f"{told}; expected the SQLite file that was written") from None
         connection.execute(f"PRAGMA synchronous = {synchronous}")
         connection.execute("PRAGMA foreign_keys = ON")
-        # that of SQLite leaves all but the letters of English as they are
-        connection.create_function("lower", 1, _lower, deterministic=True)
+        connection.create_function(IN_SQLITE, 1, small, deterministic=True)
         connection.execute(f"PRAGMA cache_size = -{cache_bytes >> 10}")
         connection.execute(f"PRAGMA wal_autocheckpoint = {CHECKPOINT_PAGES}")
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from sqlalchemy import Column, ColumnElement, and_, case, exists, func, literal, not_, or_, select
 
 from palpate.store import schema
+from palpate.store.any_case import Small
 from palpate.store.content import to_json
 from palpate.store.filters import called
 from palpate.store.json_columns import Holds, HoldsText, TextTold
@@ -61,7 +62,7 @@ def _is_described(viewer: Viewer, condition: ColumnElement[bool]) -> ColumnEleme
 
 
 def _has(column: Column[str] | ColumnElement[str], word: str) -> ColumnElement[bool]:
-    return func.lower(column).contains(word.lower(), autoescape=True)
+    return Small(column).contains(word.lower(), autoescape=True)
 
 
 def _hears(viewer: Viewer, told: ColumnElement[bool]) -> ColumnElement[bool]:
