@@ -120,6 +120,6 @@ def test_what_the_database_does_not_take_is_refused_and_nobody_is_told_to_come_a
         found = list(threads.map(put, range(COUNT)))
     assert found[::2] == ["True"] * (COUNT // 2)
     assert all(one.startswith("StoreError: holds what the database does not take: index row") for one in found[1::2])
-    with pytest.raises(StoreError, match="does not take: index row|200") as refused:
+    with pytest.raises(StoreError, match=r"does not take: index row|200") as refused:
         put_episode(store, replace(made_episode(), thing=long))
     assert not isinstance(refused.value, UnavailableError)
