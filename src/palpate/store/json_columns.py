@@ -9,7 +9,7 @@ from sqlalchemy.ext.compiler import compiles
 from sqlalchemy.sql.compiler import SQLCompiler
 from sqlalchemy.sql.functions import FunctionElement
 
-__all__ = ["Holds", "HoldsText", "JsonText", "Tells", "TextTold"]
+__all__ = ["Holds", "HoldsText", "JsonText", "Tells"]
 
 
 class Holds(FunctionElement[bool]):
@@ -70,8 +70,8 @@ class HoldsText(FunctionElement[bool]):
     type = Boolean()
     inherit_cache = True
 
-    def __init__(self, column: ColumnElement[str], text: str | ColumnElement[str]) -> None:
-        super().__init__(column, bindparam(None, text, type_=String()) if isinstance(text, str) else text)
+    def __init__(self, column: ColumnElement[str], text: str) -> None:
+        super().__init__(column, bindparam(None, text, type_=String()))
 
 
 @compiles(HoldsText, "sqlite")
@@ -106,29 +106,3 @@ def _sqlite_json(element: JsonText, compiler: SQLCompiler, **options: Any) -> st
 def _postgresql_json(element: JsonText, compiler: SQLCompiler, **options: Any) -> str:
     (text,) = (compiler.process(one, **options) for one in element.clauses)
     return f"CAST(to_json(CAST({text} AS text)) AS text)"
-
-
-class TextTold(FunctionElement[str]):
-    """What a line of the audit says of a field, given what the line says; null where it says nothing of it."""
-
-    type = String()
-    inherit_cache = True
-
-    def __init__(self, detail: ColumnElement[str], field: str) -> None:
-        super().__init__(detail, bindparam(None, f'["{field}"]', type_=String()))
-
-
-@compiles(TextTold, "sqlite")
-def _sqlite_told(element: TextTold, compiler: SQLCompiler, **options: Any) -> str:
-    detail, field = (compiler.process(one, **options) for one in element.clauses)
-    # what is damaged says nothing
-    each = f"json_each(CASE WHEN json_valid({detail}) THEN {detail} ELSE '[]' END) AS each"
-    is_field = f"json_extract(each.value, '$.field') = {field}"
-    return f"(SELECT json_extract(each.value, '$.after') FROM {each} WHERE {is_field} LIMIT 1)"
-
-
-@compiles(TextTold, "postgresql")
-def _postgresql_told(element: TextTold, compiler: SQLCompiler, **options: Any) -> str:
-    detail, field = (compiler.process(one, **options) for one in element.clauses)
-    each = f"jsonb_array_elements(CAST({detail} AS jsonb)) AS each"
-    return f"(SELECT each.value ->> 'after' FROM {each} WHERE each.value -> 'field' = CAST({field} AS jsonb) LIMIT 1)"

@@ -15,7 +15,7 @@ from palpate.store import schema
 from palpate.store.any_case import Small
 from palpate.store.content import to_json
 from palpate.store.filters import called
-from palpate.store.json_columns import Holds, HoldsText, TextTold
+from palpate.store.json_columns import Holds, HoldsText, Tells
 
 if TYPE_CHECKING:
     from palpate.store.viewing import Viewer
@@ -76,14 +76,14 @@ def _describes(viewer: Viewer, name: str) -> ColumnElement[bool]:
     by_common = (said.common_name == name) & not_(_hears(viewer, _replaces(viewer, name)))
     described = _is_described(viewer, or_(HoldsText(said.aliases, name), by_common))
     alias = _about_alias(name)
-    return and_(described, not_(_last_heard(viewer, alias, not_(_is_alias(name)))))
+    return and_(described, not_(_last_heard(viewer, alias, not_(_gives("aliases", name)))))
 
 
 def _tells(viewer: Viewer, name: str) -> ColumnElement[bool]:
     """That the last who was heard to say what an object is called has called it so."""
-    detail = schema.audit.c.detail
-    common = _last_heard(viewer, Holds(detail, literal(COMMON_NAME)), TextTold(detail, "common_name") == name)
-    return or_(common, _last_heard(viewer, _about_alias(name), _is_alias(name)))
+    about = Holds(schema.audit.c.detail, literal(COMMON_NAME))
+    common = _last_heard(viewer, about, _gives("common_name", name))
+    return or_(common, _last_heard(viewer, _about_alias(name), _gives("aliases", name)))
 
 
 def _last_heard(viewer: Viewer, about: ColumnElement[bool], condition: ColumnElement[bool]) -> ColumnElement[bool]:
@@ -108,9 +108,6 @@ def _about_alias(name: str) -> ColumnElement[bool]:
     return Holds(schema.audit.c.detail, literal(f'"field":["aliases",{to_json(name)}]}}'))
 
 
-def _is_alias(name: str) -> ColumnElement[bool]:
-    """The condition on `schema.audit` that a line says an alias: keys are in the order of the alphabet."""
-    detail, text = schema.audit.c.detail, to_json(name)
-    end = f'"field":["aliases",{text}]}}'
-    said = (f'{{"after":{text},{end}', f'{{"after":{text},"before":{text},{end}')
-    return or_(*(Holds(detail, literal(one)) for one in said))
+def _gives(kind: str, name: str) -> ColumnElement[bool]:
+    """The condition on `schema.audit` that a line gives a field of this kind a name."""
+    return Tells(schema.audit.c.detail, kind, literal(to_json(name)))

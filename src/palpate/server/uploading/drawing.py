@@ -54,11 +54,7 @@ def drawn(scratch: Store, head: Head, left: Allowance) -> Drawn:
     series = list(_series(scratch, head, left))
     kinds = [kind_of(scratch, item, LARGEST_FILE_BYTES) for item in head.files[:MOST_FILES]]
     plots = list(islice(_plots(scratch, head, series, kinds, left), MOST_CURVES + 1))
-    pictures = [Played(head.files[place].name, f"files/{place}") for place in _places(kinds, "image")]
-    sounds = [
-        *_sounds(series),
-        *(Played(head.files[place].name, f"files/{place}") for place in _places(kinds, "audio")),
-    ]
+    pictures, sounds = list(_files(head, kinds, "image")), [*_sounds(series), *_files(head, kinds, "audio")]
     shown = ((plots, MOST_CURVES), (pictures, MOST_PICTURES), (sounds, MOST_SOUNDS))
     return Drawn(
         tuple(map(svg, plots[:MOST_CURVES])),
@@ -70,6 +66,10 @@ def drawn(scratch: Store, head: Head, left: Allowance) -> Drawn:
 
 def _places(kinds: list[str], wanted: str) -> Iterator[int]:
     return (place for place, kind in enumerate(kinds) if kind == wanted)
+
+
+def _files(head: Head, kinds: list[str], wanted: str) -> Iterator[Played]:
+    return (Played(head.files[place].name, f"files/{place}") for place in _places(kinds, wanted))
 
 
 def _series(scratch: Store, head: Head, left: Allowance) -> Iterator[tuple[int, Series]]:
