@@ -16,6 +16,8 @@ from urllib.request import urlopen
 import uvicorn
 from fastapi import FastAPI
 
+from palpate.server.security.connections import MindedConnection
+
 
 def free_port() -> int:
     with socket.socket() as found:
@@ -53,7 +55,7 @@ def served(place: Path | str, *options: str) -> Iterator[tuple[str, subprocess.P
 def listening(app: FastAPI) -> Iterator[str]:
     """Serve an application here, for clients that need an address."""
     port = free_port()
-    server = uvicorn.Server(uvicorn.Config(app, port=port, log_level="error"))
+    server = uvicorn.Server(uvicorn.Config(app, port=port, http=MindedConnection, log_level="error"))
     thread = threading.Thread(target=server.run)
     thread.start()
     try:

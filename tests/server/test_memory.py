@@ -5,8 +5,10 @@ import time
 import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
+from http.client import IncompleteRead
 from pathlib import Path
 from typing import Any
+from urllib.error import HTTPError
 from urllib.request import urlopen
 
 import numpy as np
@@ -19,6 +21,7 @@ from palpate.server.api import recordings as served_recordings
 from palpate.server.api.series import LARGEST_READ_BYTES, UNPACKED
 from palpate.server.app import application
 from palpate.server.packages import write_package
+from palpate.server.security import rooms
 from palpate.server.security.rooms import Room
 from palpate.server.state import MOST_HELD_BYTES_OF_A_NETWORK
 from palpate.store.errors import DamagedError
@@ -28,12 +31,14 @@ from palpate.store.records import Channel, FileItem, Recording, Series
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
 from tests.server.conftest import SMALL
+from tests.server.holders import Somebody
 from tests.server.serving import listening
 from tests.store.made_up import squeeze
 
 API = "/api/v1/recordings"
 ONE_KIND = pytest.mark.parametrize("store", ["sqlite"], indirect=True)
 MB = 1 << 20
+OTHERS = Somebody()
 
 
 def with_room(store: Store, most: int) -> tuple[FastAPI, Room]:
@@ -60,12 +65,12 @@ def test_what_reads_samples_takes_memory_and_gives_it_back(store: Store) -> None
     with TestClient(app) as client:
         for address in addresses(recording):
             assert client.get(address).status_code == 200, address
-            assert room.enter_alone("others", 1 * MB), address
+            assert room.enter_alone(OTHERS, 1 * MB), address
             refused = client.get(address)
             assert (refused.status_code, refused.headers["retry-after"]) == (503, "5"), address
-            room.leave("others", 1 * MB)
+            room.leave(OTHERS)
         assert client.get(f"/compare/curves.json?recording={recording.id}").status_code == 200
-        assert room.enter_alone("others", 1 * MB)
+        assert room.enter_alone(OTHERS, 1 * MB)
         assert client.get(f"/compare/curves.json?recording={recording.id}").status_code == 503
         assert client.get(f"{API}/{recording.id}").status_code == 200
 
@@ -81,9 +86,30 @@ def test_memory_is_held_until_the_last_byte(store: Store) -> None:
     with listening(app) as address:
         with urlopen(f"{address}{API}/{recording.id}/series/0?format=arrow") as slow:
             slow.read(10)
-            assert not room.enter_alone("others", 1)
-            assert not room.enter("others", 8 * MB - size + 1)
-        wait_until(lambda: room.enter_alone("others", 1))
+            assert not room.enter_alone(OTHERS, 1)
+            assert not room.enter(OTHERS, 8 * MB - size + 1)
+        wait_until(lambda: room.enter_alone(OTHERS, 1))
+
+
+@ONE_KIND
+def test_who_does_not_read_loses_memory_to_others(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As soon as others need it, and before that they wait; whoever reads what he got finds that it ends."""
+    monkeypatch.setattr(rooms, "LONGEST_WAIT_S", 0.5)
+    monkeypatch.setattr(rooms, "SHORTEST_WAIT_S", 0.5)
+    values = np.random.default_rng(1).normal(size=600_000)
+    recording = squeeze(visibility="public", series=(Series("arm", (Channel("force", "force", "N", values),)),))
+    store.put(recording)
+    app, _ = with_room(store, UNPACKED * values.nbytes + MB // 2)
+    with listening(app) as address:
+        asked = f"{address}{API}/{recording.id}/series/0?format=arrow"
+        with urlopen(asked) as slow:
+            with pytest.raises(HTTPError, match="503"):
+                urlopen(asked).close()
+            time.sleep(1.0)
+            with urlopen(asked) as quick:
+                whole = len(quick.read())
+            with pytest.raises((IncompleteRead, ConnectionError)):
+                assert len(slow.read()) == whole
 
 
 def wait_until(holds: Callable[[], bool]) -> None:
@@ -159,5 +185,5 @@ def test_a_package_with_a_very_large_series_is_for_accounts(
         assert refused.status_code == 403
         assert "expected 999 at most for those without an account" in refused.json()["detail"]
         assert client.get(address, headers=mine).status_code == 200
-        assert room.enter("others", 1)
+        assert room.enter(OTHERS, 1)
         assert client.get(address, headers=mine).status_code == 503

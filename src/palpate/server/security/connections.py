@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Iterable
+from functools import partial
 from typing import Any
 
 from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
@@ -37,6 +38,8 @@ class MindedConnection(H11Protocol):
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Begin to look."""
         super().connection_made(transport)
+        # what is asked on it may be let go, in any thread
+        self.app_state = {**self.app_state, "end": partial(self.loop.call_soon_threadsafe, transport.abort)}
         self._seen: Any = None
         self._unread = self._idle = 0
         self._waits_since_s = self.loop.time()

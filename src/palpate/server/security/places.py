@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import re
 
-from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from palpate.server.problems import Problem, problem_response
-from palpate.server.security.addresses import network_of
+from palpate.server.security.askers import Asker
 from palpate.server.security.rooms import Room
 
 __all__ = [
@@ -32,7 +31,7 @@ class Places:
     """Refuses what is asked at once beyond what there is room for; each worker has rooms of its own.
 
     Whether the server is well is answered in any case. Who watches holds a place for long, and takes none of those
-    who ask.
+    who ask. Who keeps the server waiting, with what is asked or by not reading, makes place for others that come.
     """
 
     def __init__(self, app: ASGIApp, *, requests: Room | None = None, watchers: Room | None = None) -> None:
@@ -46,14 +45,16 @@ class Places:
             await self.app(scope, receive, send)
             return
         room = self.watchers if EVENTS.fullmatch(scope["path"]) else self.requests
-        network = network_of(HTTPConnection(scope))
-        if not room.enter(network):
-            await problem_response(_fault(room, network), {"Retry-After": str(AGAIN_S)})(scope, receive, send)
+        state = scope.setdefault("state", {})
+        asker = state["asker"] = Asker(scope, receive, send, state.get("end"))
+        if not room.enter(asker):
+            fault = _fault(room, asker.network)
+            await problem_response(fault, {"Retry-After": str(AGAIN_S)})(scope, receive, send)
             return
         try:
-            await self.app(scope, receive, send)
+            await self.app(scope, asker.receive, asker.send)
         finally:
-            room.leave(network)
+            room.leave(asker)
 
 
 def _fault(room: Room, network: str) -> Problem:
