@@ -26,7 +26,7 @@ from palpate.server.plots.squeezes import Held, held_by, squeeze_of, squeeze_plo
 from palpate.server.plots.svg import svg
 from palpate.store.final_beliefs import FinalBelief
 from palpate.store.records import Channel, Device, Series, Setup
-from palpate.store.visible_results import Result
+from palpate.store.visible_results import Given, Result
 from tests.store.made_up import START
 
 numbers = st.floats(-1e12, 1e12)
@@ -321,7 +321,22 @@ def test_points_are_where_their_values_are() -> None:
     """Points of greater values lie further to the right, and error bars reach one SD to both sides."""
     results = [
         Result(
-            uuid4(), START, "weighing", False, "lab", "cup", "value", "mass", value, 2.0, None, None, "g", None, "arm"
+            recording=uuid4(),
+            recorded_at=START,
+            action="weighing",
+            ground_truth=False,
+            dataset="lab",
+            thing="cup",
+            kind="value",
+            property="mass",
+            value=value,
+            sd=2.0,
+            low=None,
+            high=None,
+            unit="g",
+            given=Given(value, None, None, "g"),
+            label=None,
+            measured_by="arm",
         )
         for value in (10.0, 14.0, 20.0)
     ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -11,15 +11,15 @@ from statistics import fmean, stdev
 
 from scipy.special import stdtrit
 
-from palpate.network.units import unit_of
 from palpate.store.censored_results import Censored, censored_of
 from palpate.store.entries import Value
+from palpate.store.known_units import factor_of
 from palpate.store.store import Store
 from palpate.store.texts import LARGEST_SI
 from palpate.store.things import Known
 from palpate.store.viewing import Viewer
 from palpate.store.visible_known import known_of_merged
-from palpate.store.visible_results import Group, groups_of
+from palpate.store.visible_results import Group, Grouped, groups_of
 from palpate.store.visible_things import things_by_name
 from palpate.store.visible_truths import properties_with_truth
 
@@ -127,12 +127,16 @@ class Difference:
 
 @dataclass(frozen=True)
 class Agreement:
-    """One property: a cell for each device and object, and the errors of each device."""
+    """One property: a cell for each device and object, and the errors of each device.
+
+    `unknown_units` are those of results and of true values that are left out, as they are not known here.
+    """
 
     property: str
     unit: str
     cells: tuple[Cell, ...]
     devices: tuple[DeviceError, ...]
+    unknown_units: tuple[str, ...] = ()
 
     def between_sd(self, dataset: str, thing: str) -> float | None:
         """SD (n - 1) of the means of the devices that measured an object; None where it was one."""
@@ -193,34 +197,31 @@ def agreements_with_truth(store: Store, viewer: Viewer) -> list[Agreement]:
 def all_agreements(store: Store, viewer: Viewer, properties: Collection[str]) -> list[Agreement]:
     """As `agreements`, of several properties by a few questions for all of them."""
     groups, censored = groups_of(store, viewer, properties), censored_of(store, viewer, properties)
-    keys = {(one.dataset, one.thing) for _, own in groups.values() for one in own}
-    keys |= {key for counts in censored.values() for _, key in counts}
+    keys = {(one.dataset, one.thing) for own in groups.values() for one in own.groups}
+    keys |= {key for own in censored.values() for _, key in own.counts}
     things = things_by_name(store, viewer, keys)
     merged = known_of_merged(store, viewer, keys)
-    units = {name: unit for name, (unit, _) in groups.items()}
     said: dict[str, dict[ThingKey, float]] = defaultdict(dict)
     for key, thing in things.items():
-        for name, value in _said((*thing.known, *merged.get(key, ())), units):
+        for name, value in _said((*thing.known, *merged.get(key, ())), groups):
             said[name].setdefault(key, value)
-    return [
-        _agreement(name, unit, own, censored.get(name, Counter()), said[name]) for name, (unit, own) in groups.items()
-    ]
+    return [_agreement(name, own, censored[name], said[name]) for name, own in groups.items()]
 
 
-def _agreement(
-    property: str, unit: str, groups: Sequence[Group], censored: Censored, said: Mapping[ThingKey, float]
-) -> Agreement:
+def _agreement(property: str, values: Grouped, censored: Censored, said: Mapping[ThingKey, float]) -> Agreement:
     measured: dict[tuple[str, ThingKey], list[Group]] = defaultdict(list)
-    for one in groups:
+    for one in values.groups:
         if not one.ground_truth:
             measured[one.measured_by, (one.dataset, one.thing)].append(one)
-    known = _truths(groups, said)
-    names = sorted({*measured, *censored})
-    cells = tuple(_cell(*one, measured[one], censored[one], known.get(one[1])) for one in names)
+    known = _truths(values.groups, said)
+    names = sorted({*measured, *censored.counts})
+    cells = tuple(_cell(*one, measured[one], censored.counts[one], known.get(one[1])) for one in names)
     of_device: dict[str, list[Cell]] = defaultdict(list)
     for cell in cells:
         of_device[cell.device].append(cell)
-    return Agreement(property, unit, cells, tuple(_errors(name, own) for name, own in of_device.items()))
+    unknown = tuple(sorted(values.unknown_units | censored.unknown_units))
+    errors = tuple(_errors(name, own) for name, own in of_device.items())
+    return Agreement(property, values.unit, cells, errors, unknown)
 
 
 def _cell(device: str, key: ThingKey, groups: Sequence[Group], censored: int, truth: float | None) -> Cell:
@@ -256,11 +257,17 @@ def _truths(groups: Sequence[Group], said: Mapping[ThingKey, float]) -> Mapping[
     return {**{key: _together(own)[1] for key, own in true.items()}, **said}
 
 
-def _said(known: Iterable[Known], units: Mapping[str, str]) -> Iterator[tuple[str, float]]:
-    """Property and value, in the property's unit, of each number that is said of an object; the first one counts."""
+def _said(known: Iterable[Known], groups: Mapping[str, Grouped]) -> Iterator[tuple[str, float]]:
+    """Property and value, in the property's unit, of each number that is said of an object; the first one counts.
+
+    Of one whose unit is not known here it is noted that it is left out.
+    """
     for one in known:
         entry = one.entry
-        if isinstance(entry, Value) and entry.unit is not None and units.get(entry.property):
-            factor = unit_of(entry.unit).factor
-            if abs(entry.value * factor) <= LARGEST_SI:
-                yield entry.property, entry.value * factor / unit_of(units[entry.property]).factor
+        own = groups.get(entry.property or "")
+        if isinstance(entry, Value) and entry.unit is not None and own is not None and own.unit:
+            factor, told = factor_of(entry.unit), factor_of(own.unit)
+            if factor is None or told is None:
+                own.unknown_units.add(entry.unit if factor is None else own.unit)
+            elif abs(entry.value * factor) <= LARGEST_SI:
+                yield entry.property, entry.value * factor / told

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 from sqlalchemy import false, func, select
 
-from palpate.network.units import unit_of
 from palpate.store import schema
 from palpate.store.chunks import chunks
 from palpate.store.fetching import setup_of
+from palpate.store.known_units import are_alike, is_known_unit
 from palpate.store.legible import reading
 from palpate.store.store import Store
 from palpate.store.units import deciding_units
@@ -20,8 +22,15 @@ from palpate.store.visible_results import measured_by
 __all__ = ["Censored", "censored_of"]
 
 
-Censored = Counter[tuple[str, tuple[str, str]]]
-"""How many results there are, by what measured them and the object, as data set and name."""
+@dataclass
+class Censored:
+    """How many results of a property there are, by what measured them and the object, as data set and name.
+
+    `unknown_units` are those of results that are left out, as they are not known here.
+    """
+
+    counts: Counter[tuple[str, tuple[str, str]]] = field(default_factory=Counter)
+    unknown_units: set[str] = field(default_factory=set)
 
 
 def censored_of(store: Store, viewer: Viewer, properties: Collection[str]) -> Mapping[str, Censored]:
@@ -45,13 +54,19 @@ def censored_of(store: Store, viewer: Viewer, properties: Collection[str]) -> Ma
         .where(recordings.c.ground_truth.is_(false()), viewer.of(recordings))
         .group_by(*keys)
     )
-    names, found = list(properties), defaultdict[str, Censored](Counter)
+    names = list(properties)
+    found = {name: Censored() for name in names}
     with reading(store.engine) as connection:
         units = deciding_units(connection)
         for part in chunks(names):
             for row in connection.execute(asked.where(entries.property.in_(part))):
-                told = units.get(row.property)
-                if told is not None and unit_of(row.unit).dimension == unit_of(told).dimension:
-                    device = measured_by(setup_of(row.digest, row.document))
-                    found[row.property][device, (row.dataset, row.name)] += row.number
+                _add(row, units.get(row.property), found[row.property])
     return found
+
+
+def _add(row: Any, told: str | None, to: Censored) -> None:
+    unknown = {unit for unit in (row.unit, told) if unit is not None and not is_known_unit(unit)}
+    to.unknown_units |= unknown
+    if not unknown and told is not None and are_alike(row.unit, told):
+        device = measured_by(setup_of(row.digest, row.document))
+        to.counts[device, (row.dataset, row.name)] += row.number

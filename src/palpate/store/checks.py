@@ -12,6 +12,7 @@ from palpate.network.units import UnitError, dimension_of, factor, unit_of
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
 from palpate.store.errors import StoreError
 from palpate.store.implausible import implausible
+from palpate.store.known_units import are_alike
 from palpate.store.quantities import check_quantity
 from palpate.store.records import DEVICE_KINDS, VISIBILITIES, Device, FileItem, Pose, Recording, Setup, ThingRef
 from palpate.store.signals import check_series
@@ -277,7 +278,7 @@ def check_unit_of(where: str, name: str, unit: str, known: str | None) -> None:
         If the unit is unknown, or of another dimension.
     """
     check_unit(where, unit, None)
-    if known is not None and unit_of(unit).dimension != unit_of(known).dimension:
+    if known is not None and not are_alike(unit, known):
         raise StoreError(
             f"{where}: unit {unit!r} is {dimension_of(unit)}; expected the dimension that {name} has in this store"
         )

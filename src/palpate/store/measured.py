@@ -10,9 +10,9 @@ from typing import Any
 
 from sqlalchemy import or_, select
 
-from palpate.network.units import unit_of
 from palpate.store import schema
 from palpate.store.fetching import setup_of
+from palpate.store.known_units import factor_of
 from palpate.store.legible import reading
 from palpate.store.records import Setup, ThingRef
 from palpate.store.store import Store
@@ -36,7 +36,7 @@ class Measured:
         How many there are, and how many of them failed.
     mean, sd, unit
         Of the values that have a unit, in the unit that the property was first given in; the SD (n - 1) is None for
-        a single one.
+        a single one, and all are None where that unit is not known here.
     labels
         Most probable label to how often it was.
     """
@@ -75,15 +75,15 @@ def measured_of(store: Store, thing: ThingRef) -> tuple[Measured, ...]:
 
 
 def _measured(name: str | None, setup: Setup, rows: Sequence[Any], unit: str | None) -> Measured:
-    values = [row.value_si for row in rows if row.value_si is not None]
-    scale = unit_of(unit).factor if values and unit is not None else 1.0
+    scale = None if unit is None else factor_of(unit)
+    values = [row.value_si for row in rows if row.value_si is not None and scale is not None]
     return Measured(
         property=name,
         setup=setup,
         results=len(rows),
         failed=sum(row.kind == "failed" for row in rows),
-        mean=fmean(values) / scale if values else None,
-        sd=stdev(values) / scale if len(values) > 1 else None,
+        mean=fmean(values) / (scale or 1.0) if values else None,
+        sd=stdev(values) / (scale or 1.0) if len(values) > 1 else None,
         unit=unit if values else None,
         labels=Counter(row.label for row in rows if row.label is not None),
     )

@@ -8,10 +8,10 @@ from datetime import UTC, datetime, timedelta
 from hashlib import sha256
 from typing import Any
 
-from palpate.network.units import unit_of
 from palpate.store.arrays import pack_bytes, pack_series
 from palpate.store.blobs import Blobs
 from palpate.store.entries import Bound, Distribution, Entry, FailedEntry, Interval, Value
+from palpate.store.known_units import are_alike, factor_of
 from palpate.store.records import Recording
 from palpate.store.registry import Registry, units_in
 from palpate.store.seals import seal_of
@@ -149,11 +149,11 @@ def has_wrong_unit(recording: Recording, units: Mapping[str, str]) -> bool:
 
 
 def _is_other(name: str, unit: str, units: Mapping[str, str]) -> bool:
-    return name in units and unit_of(unit).dimension != unit_of(units[name]).dimension
+    return name in units and not are_alike(unit, units[name])
 
 
 def entry_columns(entry: Entry) -> Row:
-    """What the tables hold of an entry."""
+    """What the tables hold of an entry; of a number in a unit that is not known here, none in SI units."""
     columns: Row = {"kind": "", "property": entry.property, "value": None, "sd": None, "low": None, "high": None}
     columns |= {"unit": None, "value_si": None, "sd_si": None, "label": None}
     return columns | _own_columns(entry)
@@ -162,7 +162,7 @@ def entry_columns(entry: Entry) -> Row:
 def _own_columns(entry: Entry) -> Row:
     if isinstance(entry, Value):
         sd = None if entry.sd is None else float(entry.sd)
-        scale = None if entry.unit is None else unit_of(entry.unit).factor
+        scale = None if entry.unit is None else factor_of(entry.unit)
         # a number of NumPy stays one when it is scaled, and SQLite takes one of 32 bits for bytes
         value = float(entry.value)
         own: Row = {"kind": "value", "value": value, "sd": sd, "unit": entry.unit}

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sqlalchemy import Row, Select, and_, func, select
 
-from palpate.network.units import unit_of
 from palpate.store import schema
+from palpate.store.known_units import factor_of
 from palpate.store.legible import reading
 from palpate.store.store import Store
 from palpate.store.units import deciding_units
@@ -55,7 +55,7 @@ class Cell:
 
 
 def objects_by_properties(store: Store) -> list[Cell]:
-    """Summarise all values that have a unit, by object and property."""
+    """Summarise all values that have a unit, by object and property; none of which the unit is not known here."""
     with reading(store.engine) as connection:
         groups = connection.execute(_groups()).all()
         units = deciding_units(connection)
@@ -66,7 +66,12 @@ def objects_by_properties(store: Store) -> list[Cell]:
         measured: dict[tuple[int, str], list[Group]] = defaultdict(list)
         for thing, name, count, mean, squares in groups:
             measured[things[thing].merged_into or thing, name].append(Group(count, mean, squares))
-        cells = [_cell(things[thing], name, units[name], parts) for (thing, name), parts in measured.items()]
+        scales = {name: factor_of(unit) for name, unit in units.items()}
+        cells = [
+            _cell(things[thing], name, units[name], scale, parts)
+            for (thing, name), parts in measured.items()
+            if (scale := scales[name]) is not None
+        ]
     return sorted(cells, key=lambda cell: (cell.dataset, cell.thing, cell.property))
 
 
@@ -103,8 +108,8 @@ def _groups() -> Select[int, str, int, float, float]:
     )
 
 
-def _cell(thing: Row[*tuple[Any, ...]], name: str, unit: str, parts: Sequence[Group]) -> Cell:
-    scale, count = unit_of(unit).factor, sum(part.values for part in parts)
+def _cell(thing: Row[*tuple[Any, ...]], name: str, unit: str, scale: float, parts: Sequence[Group]) -> Cell:
+    count = sum(part.values for part in parts)
     mean = sum(part.values * part.mean for part in parts) / count
     squares = sum(part.squares + part.values * (part.mean - mean) ** 2 for part in parts)
     between = stdev(part.mean for part in parts) / scale if len(parts) > 1 else None

@@ -15,14 +15,16 @@ from palpate.store import schema
 from palpate.store.checks import check_entry
 from palpate.store.decoding import entry_from
 from palpate.store.each_thing import each_thing
-from palpate.store.entries import Entry
+from palpate.store.entries import Bound, Entry, Interval, Value
 from palpate.store.errors import DamagedError, IncompleteError, StoreError
 from palpate.store.filters import called
+from palpate.store.known_units import is_known_unit
 from palpate.store.legible import legible, reading
 from palpate.store.listing import Damaged
 from palpate.store.records import ThingRef
 from palpate.store.registry import thing_of
 from palpate.store.store import Store
+from palpate.store.texts import check_name
 
 __all__ = ["Image", "Known", "Thing", "find_thing", "list_things"]
 
@@ -191,10 +193,19 @@ def known_of(row: Row, thing: Row) -> Known:
         entry = entry_from(json.loads(row["document"]))
     try:
         # no digest covers it
-        check_entry("entry", entry, {}, is_new=False)
+        check_entry("entry", _without_unknown_unit(entry), {}, is_new=False)
     except StoreError as error:
         raise DamagedError(f"{where}: {error}") from None
     return Known(entry, row["source"])
+
+
+def _without_unknown_unit(entry: Entry) -> Entry:
+    """An entry to check: its unit may be one that a program kept which knows more units than this one."""
+    unit = getattr(entry, "unit", None)
+    if isinstance(entry, Value | Interval | Bound) and isinstance(unit, str) and not is_known_unit(unit):
+        check_name("entry.unit", unit)
+        return replace(entry, unit=None)
+    return entry
 
 
 def _names(connection: Connection) -> list[str]:

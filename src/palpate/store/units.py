@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from sqlalchemy import Connection, func, insert, null, select, text, update
 
 from palpate.errors import choices, near
-from palpate.network.units import unit_of
 from palpate.store import schema
 from palpate.store.checks import check_unit
 from palpate.store.content import to_json
 from palpate.store.database import changing
 from palpate.store.decoding import entry_from
 from palpate.store.errors import StoreError
+from palpate.store.known_units import are_alike, factor_of
 from palpate.store.legible import reading
 from palpate.store.quantities import check_quantity
 from palpate.store.registry import now_us
@@ -153,12 +153,8 @@ def _given(connection: Connection, name: str | None = None) -> dict[str, dict[st
 
 
 def _counted(name: str, unit: str, given: Mapping[str, int]) -> PropertyUnit:
-    right = sum(count for one, count in given.items() if _is_like(one, unit))
+    right = sum(count for one, count in given.items() if are_alike(one, unit))
     return PropertyUnit(name, unit, right, sum(given.values()) - right)
-
-
-def _is_like(unit: str, other: str) -> bool:
-    return unit_of(unit).dimension == unit_of(other).dimension
 
 
 def _check_known(connection: Connection, name: str, unit: str) -> None:
@@ -167,7 +163,7 @@ def _check_known(connection: Connection, name: str, unit: str) -> None:
     asked = select(known.document, things.dataset, things.name).join(schema.things, things.id == known.thing_id)
     for document, dataset, thing in connection.execute(asked.where(known.property == name)):
         other = getattr(entry_from(json.loads(document)), "unit", None)
-        if other is not None and not _is_like(other, unit):
+        if other is not None and not are_alike(other, unit):
             found = f"object {dataset}/{thing}: what is known of its {name} is in {other!r}"
             raise StoreError(f"{found}, expected a unit of the dimension of {unit!r}: forget it first")
 
@@ -177,8 +173,8 @@ def _count_anew(connection: Connection, name: str, unit: str) -> None:
     entries = schema.entries
     here = entries.c.property == name
     for other in connection.scalars(select(entries.c.unit).where(here, entries.c.unit.is_not(None)).distinct()).all():
-        scale = unit_of(other).factor
-        counts = {"value_si": entries.c.value * scale, "sd_si": entries.c.sd * scale}
-        values = counts if _is_like(other, unit) else dict.fromkeys(counts, null())
+        scale = factor_of(other) if are_alike(other, unit) else None
+        counts = {"value_si": entries.c.value * scale, "sd_si": entries.c.sd * scale} if scale is not None else None
+        values = counts or dict.fromkeys(("value_si", "sd_si"), null())
         those = here, entries.c.unit == other, entries.c.kind == "value"
         connection.execute(update(entries).where(*those).values(**values))

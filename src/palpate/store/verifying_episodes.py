@@ -24,6 +24,7 @@ from palpate.store.keeping_episodes import (
     recordings_of,
     stored_episode,
 )
+from palpate.store.known_units import is_known_unit
 from palpate.store.legible import legible
 from palpate.store.registry import thing_of
 from palpate.store.rows import most_probable
@@ -58,6 +59,9 @@ def known_faults(connection: Connection) -> Iterator[Fault]:
                 label = most_probable(entry.probabilities) if isinstance(entry, Distribution) else None
                 if (entry.property, label) != (each["property"], each["label"]):
                     yield Fault(where, f"what is known of its {each['property']} is found under another label")
+                unit = getattr(entry, "unit", None)
+                if unit is not None and not is_known_unit(unit):
+                    yield Fault(where, f"what is known of its {each['property']} is in {unit!r}, which is no unit here")
         except IncompleteError:
             raise
         except DamagedError as error:

@@ -14,6 +14,7 @@ from palpate.store.database import changing
 from palpate.store.errors import DamagedError
 from palpate.store.faults import Fault, Remedy
 from palpate.store.fetching import Broken, id_chunks, read_each
+from palpate.store.known_units import is_known_unit
 from palpate.store.records import Recording
 from palpate.store.rows import counted, entry_rows, gripper_of, microseconds
 from palpate.store.seals import seal_of
@@ -51,8 +52,9 @@ def mend_recording(store: Store, key: UUID) -> None:
         row = connection.execute(select(columns.id).where(columns.uuid == key.bytes)).scalar_one()
         head = connection.execute(_heads([row])).mappings().one()
         connection.execute(update(schema.recordings).where(columns.id == row).values(**_head_wanted(recording)))
+        there = _entries_there(connection, [row])[row]
+        entries = _entries_wanted(recording, head, deciding_units(connection), there)
         connection.execute(delete(schema.entries).where(schema.entries.c.recording_id == row))
-        entries = _entries_wanted(recording, head, deciding_units(connection))
         if entries:
             connection.execute(insert(schema.entries), entries)
 
@@ -61,7 +63,7 @@ def _is_stale(recording: Recording, head: Row, units: Mapping[str, str], entries
     """Whether columns or entries repeat something else than the content; None for entries that cannot be looked at."""
     if dict(head) != {**head, **_head_wanted(recording)}:
         return True
-    return entries is not None and list(entries) != _entries_wanted(recording, head, units)
+    return entries is not None and list(entries) != _entries_wanted(recording, head, units, entries)
 
 
 def _heads(ids: Sequence[int]) -> Select[*tuple[Any, ...]]:
@@ -81,8 +83,18 @@ def _head_wanted(recording: Recording) -> dict[str, Any]:
     }
 
 
-def _entries_wanted(recording: Recording, head: Row, units: Mapping[str, str]) -> list[dict[str, Any]]:
-    return [counted(row, units) for row in entry_rows(recording, {**head, **_head_wanted(recording)})]
+def _entries_wanted(
+    recording: Recording, head: Row, units: Mapping[str, str], there: Sequence[Row]
+) -> list[dict[str, Any]]:
+    """The entries that there should be; in SI units as they are there where the unit is not known here."""
+    wanted = [counted(row, units) for row in entry_rows(recording, {**head, **_head_wanted(recording)})]
+    return [row if row["unit"] is None or is_known_unit(row["unit"]) else _as_kept(row, there) for row in wanted]
+
+
+def _as_kept(row: dict[str, Any], there: Sequence[Row]) -> dict[str, Any]:
+    same = ("position", "unit", "value", "sd")
+    found = next((one for one in there if all(name in one and one[name] == row[name] for name in same)), row)
+    return {**row, "value_si": found["value_si"], "sd_si": found["sd_si"]}
 
 
 def _entries_there(connection: Connection, ids: Sequence[int]) -> Mapping[int, list[dict[str, Any]]]:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from functools import lru_cache
 from typing import Any
@@ -12,10 +11,10 @@ from uuid import UUID
 
 from sqlalchemy import ColumnElement, Connection, Select, and_, func, select
 
-from palpate.network.units import unit_of
 from palpate.store import schema
 from palpate.store.chunks import chunks
 from palpate.store.fetching import setup_of
+from palpate.store.known_units import factor_of, scale
 from palpate.store.legible import reading
 from palpate.store.records import Setup, ThingRef
 from palpate.store.rows import moment_at
@@ -25,7 +24,17 @@ from palpate.store.units import deciding_units
 from palpate.store.viewing import Viewer
 from palpate.store.visible_things import rows_of
 
-__all__ = ["Group", "Result", "groups_of", "is_measurable", "measured_by", "results_of"]
+__all__ = ["Given", "Group", "Grouped", "Result", "groups_of", "is_measurable", "measured_by", "results_of"]
+
+
+@dataclass(frozen=True)
+class Given:
+    """The number of a result, or its ends, in the unit in which it was given; None where it was not stated."""
+
+    value: float | None
+    low: float | None
+    high: float | None
+    unit: str | None
 
 
 @dataclass(frozen=True)
@@ -38,6 +47,8 @@ class Result:
         In the unit that the property was first given in; None where it is no number with a unit of that dimension.
     low, high
         Ends of an interval or a bound, likewise.
+    given
+        The number as it was given, which may be in a unit that is not known here.
     label
         The most probable label.
     measured_by
@@ -57,6 +68,7 @@ class Result:
     low: float | None
     high: float | None
     unit: str | None
+    given: Given
     label: str | None
     measured_by: str
 
@@ -83,15 +95,25 @@ class Group:
     squares: float
 
 
-def groups_of(store: Store, viewer: Viewer, properties: Collection[str]) -> Mapping[str, tuple[str, tuple[Group, ...]]]:
-    """The unit of each of these properties, and its values by object, setup, and whether they are known to be true.
+@dataclass
+class Grouped:
+    """The values of a property, with its unit; and the units, unknown here, of values that are left out."""
+
+    unit: str
+    groups: list[Group] = field(default_factory=list)
+    unknown_units: set[str] = field(default_factory=set)
+
+
+def groups_of(store: Store, viewer: Viewer, properties: Collection[str]) -> Mapping[str, Grouped]:
+    """Of each of these properties its values, by object, setup, unit, and whether they are known to be true.
 
     What was measured of objects merged into another one counts as that one's.
     """
     setups, things = schema.setups, schema.things
-    names, found = list(properties), defaultdict[str, list[Group]](list)
+    names = list(properties)
     with reading(store.engine) as connection:
         units = deciding_units(connection)
+        found = {name: Grouped(units.get(name) or "") for name in names}
         for part in chunks(names):
             groups = _groups(viewer, part).subquery()
             asked = (
@@ -100,8 +122,17 @@ def groups_of(store: Store, viewer: Viewer, properties: Collection[str]) -> Mapp
                 .join(things, things.c.id == groups.c.head)
             )
             for row in connection.execute(asked):
-                found[row.property].append(_group(row, unit_of(units[row.property]).factor))
-    return {name: (units.get(name) or "", tuple(found[name])) for name in names}
+                _add(row, found[row.property])
+    return found
+
+
+def _add(row: Any, to: Grouped) -> None:
+    factors = {unit: factor_of(unit) for unit in (row.unit, to.unit)}
+    told = factors[to.unit]
+    if told is None or factors[row.unit] is None:
+        to.unknown_units |= {unit for unit, factor in factors.items() if factor is None}
+    else:
+        to.groups.append(_group(row, told))
 
 
 def _group(row: Any, scale: float) -> Group:
@@ -117,17 +148,18 @@ def _group(row: Any, scale: float) -> Group:
 
 
 def _groups(viewer: Viewer, properties: Collection[str]) -> Select[*tuple[Any, ...]]:
-    """Property, head, setup, truth, count, mean and squares; the mean first, so that no digits are lost in squares."""
+    """Property, head, setup, truth, unit, count, mean and squares; the mean first, so that squares lose no digits."""
     entries, recordings, things = schema.entries.c, schema.recordings, schema.things
     head = func.coalesce(things.c.merged_into, things.c.id)
     values = (
-        select(entries.property, head.label("head"), entries.setup_id, recordings.c.ground_truth, entries.value_si)
+        select(entries.property, head.label("head"), entries.setup_id, recordings.c.ground_truth)
+        .add_columns(entries.unit, entries.value_si)
         .join(recordings, recordings.c.id == entries.recording_id)
         .join(things, things.c.id == entries.thing_id)
         .where(entries.property.in_(properties), is_measurable(entries.value_si), viewer.of(recordings))
         .cte("measured")
     )
-    keys = (values.c.property, values.c.head, values.c.setup_id, values.c.ground_truth)
+    keys = (values.c.property, values.c.head, values.c.setup_id, values.c.ground_truth, values.c.unit)
     means = select(*keys, func.count().label("number"), func.avg(values.c.value_si).label("mean")).group_by(*keys)
     found = means.cte("means")
     off = values.c.value_si - found.c.mean
@@ -162,8 +194,8 @@ def _results(connection: Connection, viewer: Viewer, things: Mapping[int, tuple[
         if setup not in named:
             continue
         unit_told = units.get(property or "")
-        scale = scale_of(unit, unit_told)
-        value, sd, low, high = (_told(one, scale) for one in values)
+        by = scale_of(unit, unit_told)
+        value, sd, low, high = (_told(one, by) for one in values)
         yield Result(
             recording=UUID(bytes=uuid),
             recorded_at=moment_at(at_us),
@@ -177,25 +209,22 @@ def _results(connection: Connection, viewer: Viewer, things: Mapping[int, tuple[
             sd=sd,
             low=low,
             high=high,
-            unit=None if scale is None else unit_told,
+            unit=None if by is None else unit_told,
+            given=Given(values[0], values[2], values[3], unit),
             label=label,
             measured_by=named[setup],
         )
 
 
-def _told(value: float | None, scale: float | None) -> float | None:
+def _told(value: float | None, by: float | None) -> float | None:
     """A number in another unit; None where there is none, or one that no measurement gives, as for `is_measurable`."""
-    told = None if scale is None or value is None else value * scale
+    told = None if by is None or value is None else value * by
     return None if told is None or abs(told) > LARGEST_SI else told
 
 
 def _scale(unit: str | None, told: str | None) -> float | None:
-    """By what numbers are multiplied to be told in another unit; None where that cannot be done."""
-    if unit is None or told is None:
-        return None
-    own, other = unit_of(unit), unit_of(told)
     # what is known to be wrong is kept in the unit in which it was given
-    return own.factor / other.factor if own.dimension == other.dimension else None
+    return None if unit is None or told is None else scale(unit, told)
 
 
 def _heads(connection: Connection, thing: ThingRef) -> dict[int, tuple[str, str]]:

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
-from palpate.network.units import UnitError
 from palpate.server.api import plain
 from palpate.server.api.answers import answer, page
 from palpate.server.api.models import EntryRow, Page, Property
 from palpate.server.api.parameters import StoreOf
 from palpate.server.api.queries import RecordingQuery
 from palpate.server.security.who import Who
-from palpate.store.entries import Entry
 from palpate.store.listing import Listed, list_recordings
 from palpate.store.rows import entry_columns
 from palpate.store.visible_setups import result_counts, seen_properties
@@ -48,7 +46,7 @@ def _rows(row: Listed, wanted: str | None) -> Iterator[dict[str, Any]]:
     for entry in row.entries:
         if wanted is not None and entry.property != wanted:
             continue
-        columns = _columns(entry)
+        columns = entry_columns(entry)
         yield {
             "recording": str(row.id),
             "recorded_at": plain.moment(row.recorded_at),
@@ -59,11 +57,3 @@ def _rows(row: Listed, wanted: str | None) -> Iterator[dict[str, Any]]:
             **{name: columns[name] for name in ("label", "value_si", "sd_si")},
             "entry": plain.entry(entry),
         }
-
-
-def _columns(entry: Entry) -> Mapping[str, Any]:
-    """What the tables hold of a result; of a number in a unit that is not known here, none in SI units."""
-    try:
-        return entry_columns(entry)
-    except UnitError:
-        return {"label": None, "value_si": None, "sd_si": None}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from typing import Any
 
@@ -13,7 +13,7 @@ from fastapi.responses import HTMLResponse, JSONResponse, Response
 
 from palpate.server.api.parameters import StoreOf
 from palpate.server.api.series import cell_text
-from palpate.server.benchmark import DeviceError, agreements_with_truth
+from palpate.server.benchmark import Agreement, DeviceError, agreements_with_truth
 from palpate.server.pages.templates import page
 from palpate.server.security.who import Who
 from palpate.store.store import Store
@@ -41,14 +41,20 @@ COLUMNS = (
 
 def errors_of(store: Store, viewer: Viewer) -> Iterator[tuple[str, str, DeviceError]]:
     """Property, unit, and the error of a device in it, of all that somebody may see and of which a truth is known."""
-    for found in agreements_with_truth(store, viewer):
+    yield from _errors(agreements_with_truth(store, viewer))
+
+
+def _errors(agreements: Iterable[Agreement]) -> Iterator[tuple[str, str, DeviceError]]:
+    for found in agreements:
         yield from ((found.property, found.unit, error) for error in found.devices if error.known or error.left_out)
 
 
 @router.get("")
 def table(request: Request, store: StoreOf, who: Who) -> HTMLResponse:
     """All devices in all properties."""
-    return page(request, "benchmark.html", rows=list(errors_of(store, who.viewer)))
+    found = agreements_with_truth(store, who.viewer)
+    unknown = [f"{one.property} [{unit}]" for one in found for unit in one.unknown_units]
+    return page(request, "benchmark.html", rows=list(_errors(found)), unknown=unknown)
 
 
 @router.get("/errors.csv")

@@ -11,7 +11,6 @@ from urllib.parse import urlencode
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response
 
-from palpate.network.units import UnitError, factor
 from palpate.server.api.parameters import SeenThing, StoreOf
 from palpate.server.api.queries import ObjectQuery, Text
 from palpate.server.corrections import may_change
@@ -28,6 +27,7 @@ from palpate.server.rest.proposals import PROPOSAL
 from palpate.server.security.who import Who
 from palpate.store.entries import Distribution, Value
 from palpate.store.final_beliefs import FinalBelief, final_beliefs
+from palpate.store.known_units import scale
 from palpate.store.listing import list_recordings
 from palpate.store.listing_episodes import list_episodes
 from palpate.store.parts import Head, head_of
@@ -175,9 +175,9 @@ def _truths(name: str, unit: object, thing: Thing) -> list[tuple[float, str]]:
     """Values that are known, in a unit; none where that is no unit of theirs, as beliefs may be in any."""
     if not isinstance(unit, str):
         return []
-    known = [(one.entry, one.source) for one in thing.known if isinstance(one.entry, Value)]
-    own = [(entry, source) for entry, source in known if entry.property == name and entry.unit is not None]
-    try:
-        return [(entry.value * factor(entry.unit or unit, unit), source) for entry, source in own]
-    except UnitError:
-        return []
+    return [
+        (one.entry.value * by, one.source)
+        for one in thing.known
+        if isinstance(one.entry, Value) and one.entry.property == name and one.entry.unit is not None
+        if (by := scale(one.entry.unit, unit)) is not None
+    ]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from uuid import UUID
 
 from palpate.server.plots.drawing import number
-from palpate.store.visible_results import Result
+from palpate.store.visible_results import Given, Result
 
 __all__ = ["Alike", "alike", "in_words"]
 
@@ -31,11 +31,16 @@ def alike(results: Iterable[Result]) -> list[Alike]:
 
 
 def in_words(one: Result) -> str:
-    """A result in the unit of its property; its kind, where it has no number in it."""
+    """A result in the unit of its property, or as it was given; its kind, where it has no number."""
+    return _number(one) or _number(one.given) or one.kind
+
+
+def _number(one: Result | Given) -> str | None:
+    unit = one.unit or "(unit not stated)"
     if one.value is not None:
-        return f"{number(one.value)} {one.unit}"
+        return f"{number(one.value)} {unit}"
     if one.low is not None and one.high is not None:
-        return f"{number(one.low)} to {number(one.high)} {one.unit}"
+        return f"{number(one.low)} to {number(one.high)} {unit}"
     if one.low is not None:
-        return f"above {number(one.low)} {one.unit}"
-    return one.kind if one.high is None else f"below {number(one.high)} {one.unit}"
+        return f"above {number(one.low)} {unit}"
+    return None if one.high is None else f"below {number(one.high)} {unit}"
