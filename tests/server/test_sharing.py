@@ -205,6 +205,25 @@ def test_a_page_shares_too(client: TestClient, store: Store, token: Token) -> No
     assert is_seen(client, f"{EPISODES}/{EXPLORED.id}")
 
 
+def test_a_page_shows_the_form_again_with_what_is_wrong(client: TestClient, store: Store, token: Token) -> None:
+    """What was typed stands in it, with a sentence in the words of the form; nothing changes."""
+    headers = {**token("ann"), "Origin": "http://testserver", "Accept": "text/html"}
+    for page in (f"/recordings/{OWNED.id}", f"/episodes/{EXPLORED.id}"):
+        for fields, sentence in (
+            ({"visibility": "public", "until": "9999-12-31T00:00"}, "found the year 9999, expected one after 1970"),
+            ({"visibility": "public", "until": "soon"}, "found &#39;soon&#39;, expected a date and a time"),
+            ({"visibility": "secret", "until": "2098-01-01T00:00"}, "Who may see it: found &#39;secret&#39;"),
+        ):
+            sent = client.post(f"{page}/sharing", data={"do": "share", **fields}, headers=headers)
+            assert sent.status_code == 422
+            assert re.search(f'role="alert">[^<]*{sentence}', sent.text), sent.text
+            assert f'value="{fields["until"]}"' in sent.text
+            assert f'action="{page}/sharing"' in sent.text
+            assert f'href="{page}"' in sent.text
+            assert "Unprocessable" not in sent.text
+    assert (store.get(OWNED.id).visibility, store.get(OWNED.id).embargoed_until) == ("lab", None)
+
+
 def test_a_page_tells_what_an_embargo_was_before(client: TestClient, token: Token) -> None:
     """Both sides of a change say until when it was, or is, kept back."""
     ann, address = token("ann"), f"{RECORDINGS}/{OWNED.id}"

@@ -282,11 +282,11 @@ def test_a_wish_that_is_none_is_told_and_nothing_is_lost(ann: TestClient, store:
     """Above the same page, with what was given; the upload waits on."""
     address, _ = send(ann, {"one.zip": package(squeeze(1, owner="ann"))})
     wrong = {
-        "until: found &#39;soon&#39;, expected a date and a time": {"until": "soon"},
-        "embargoed_until: found the year 9999": {"until": "9999-12-31T00:00"},
-        "embargoed_until: found the year 1066": {"until": "1066-10-14T09:00"},
+        "But not before: found &#39;soon&#39;, expected a date and a time": {"until": "soon"},
+        "But not before: found the year 9999": {"until": "9999-12-31T00:00"},
+        "But not before: found the year 1066": {"until": "1066-10-14T09:00"},
         "beside the wish for no embargo, expected one of the two": {"until": "2032-01-01T00:00", "no_embargo": "yes"},
-        "visibility: found &#39;everybody&#39;": {"visibility": "everybody"},
+        "Who may see it: found &#39;everybody&#39;": {"visibility": "everybody"},
     }
     for told, fields in wrong.items():
         found = ann.post(f"{address}/keep", data={"visibility": "public", **fields})
@@ -386,6 +386,21 @@ def test_cancelled_nothing_stays(ann: TestClient, store: Store) -> None:
     assert list(root.iterdir()) == []
     assert list_recordings(store).rows == ()
     assert ann.post(f"{address}/keep", data={"visibility": ""}).status_code == 404
+
+
+def test_who_comes_back_to_a_cancelled_upload_reads_what_became_of_it(ann: TestClient) -> None:
+    """Cancelling says so; each address of what waited, also the one to cancel it, leads on to sending it again."""
+    ann.headers["Accept"] = "text/html"
+    address, _ = send(ann, {"one.zip": package(squeeze(1, owner="ann"))})
+    cancelled = ann.post(f"{address}/cancel")
+    assert (cancelled.status_code, cancelled.url.path) == (200, "/upload")
+    assert 'role="status">The upload was cancelled: nothing of it was kept.' in cancelled.text
+    for method, more in (("GET", ""), ("GET", "/kept"), ("POST", "/keep"), ("POST", "/cancel")):
+        gone = ann.request(method, f"{address}{more}")
+        assert gone.status_code == 404
+        assert "<h1>No upload waits here</h1>" in gone.text
+        assert "kept or cancelled" in gone.text
+        assert 'href="/upload"' in gone.text.partition("<main")[2]
 
 
 def test_only_the_session_that_sent_it_sees_a_preview(ann: TestClient, store: Store) -> None:

@@ -6,6 +6,7 @@ import json
 import logging
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Any
 from urllib.parse import quote
@@ -33,6 +34,7 @@ __all__ = [
     "Problem",
     "ProblemError",
     "Unexpected",
+    "WayOn",
     "answer_http",
     "install",
     "is_page",
@@ -64,21 +66,35 @@ class Problem(BaseModel):
     errors: list[Field] = []
 
 
-class ProblemError(HTTPException):
-    """A problem that ends a request."""
+@dataclass(frozen=True)
+class WayOn:
+    """How the page of a problem is headed, and where it leads: an address, and the words of the link."""
 
-    def __init__(self, found: Problem, headers: Mapping[str, str] | None = None) -> None:
+    heading: str
+    address: str
+    words: str
+
+
+class ProblemError(HTTPException):
+    """A problem that ends a request; people may be told how to go on from there."""
+
+    def __init__(self, found: Problem, headers: Mapping[str, str] | None = None, way_on: WayOn | None = None) -> None:
         super().__init__(found.status, found.detail, headers)
         self.problem = found
+        self.way_on = way_on
 
 
 def problem(
-    status: int, detail: str, errors: Sequence[Mapping[str, str]] = (), headers: Mapping[str, str] | None = None
+    status: int,
+    detail: str,
+    errors: Sequence[Mapping[str, str]] = (),
+    headers: Mapping[str, str] | None = None,
+    way_on: WayOn | None = None,
 ) -> ProblemError:
     """An error to raise."""
     fields = [Field(**one) for one in errors]
     found = Problem(title=HTTPStatus(status).phrase, status=status, detail=detail, errors=fields)
-    return ProblemError(found, headers)
+    return ProblemError(found, headers, way_on)
 
 
 def problem_of_store(error: PalpateError, status: int = 422) -> ProblemError:
@@ -110,7 +126,8 @@ def _answer(request: Request, error: HTTPException) -> Response:
         found = Problem(title=HTTPStatus(status).phrase, status=status, detail=error.detail)
     headers = dict(error.headers or {})
     if is_page(request):
-        return error_page(request, found.status, found.title, found.detail, headers)
+        way_on = error.way_on if isinstance(error, ProblemError) else None
+        return error_page(request, found.status, found.title, found.detail, headers, way_on)
     return problem_response(found, headers)
 
 

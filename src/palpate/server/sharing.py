@@ -49,7 +49,7 @@ class SharingOf:
 
     def change(self, fields: dict[str, Any]) -> Sharing:
         """Set the visibility, the end of the embargo, or both."""
-        self._check()
+        self.check()
 
         def edited(before: Sharing) -> Sharing:
             until: datetime | None = fields.get("embargoed_until", before.embargoed_until)
@@ -59,15 +59,16 @@ class SharingOf:
 
     def undo(self) -> Sharing:
         """Take back the last change that holds."""
-        self._check()
+        self.check()
         return undo_sharing(self.store, self.table, self.key, who=self.who.name)
 
     def history(self) -> tuple[SharingChange, ...]:
         """Who changed what, the last first."""
-        self._check()
+        self.check()
         return sharing_history(self.store, self.table, self.key)
 
-    def _check(self) -> None:
+    def check(self) -> None:
+        """Refuse, with a 403, who may not set it."""
         if not self.may_change:
             raise problem(403, f"{self.table.name[:-1]} {self.key}: is for its owner to share, or for curators")
 

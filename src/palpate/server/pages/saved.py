@@ -16,6 +16,7 @@ SENTENCES: Mapping[str, str] = {
     "merge": "The two are one object now.",
     "split": "It is an object of its own again.",
     "undo": "The change was taken back.",
+    "cancelled": "The upload was cancelled: nothing of it was kept.",
     "again": "It was known already: it was kept before, and who sees it did not change.",
 }
 

@@ -12,12 +12,14 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import RedirectResponse, Response
 
 from palpate.server.api.parameters import StoreOf
-from palpate.server.problems import problem
+from palpate.server.pages.templates import page
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.sites import form_of
 from palpate.server.security.who import needs
 from palpate.server.sharing import SharingOf, embargo_end, sharing_of
+from palpate.server.uploading.form_words import words_of
 from palpate.store import schema
+from palpate.store.errors import StoreError
 from palpate.store.records import VISIBILITIES
 from palpate.store.store import Store
 
@@ -32,22 +34,22 @@ UNTIL = "%Y-%m-%dT%H:%M"
 @router.post("/recordings/{id}/sharing")
 async def of_recording(request: Request, store: StoreOf, who: Owner, id: UUID) -> Response:
     """Set who may see a recording, or take the last change back."""
-    sharing = await run_in_threadpool(sharing_of, store, who, schema.recordings, id)
-    return await _changed(request, sharing)
+    return await _changed(request, await run_in_threadpool(sharing_of, store, who, schema.recordings, id))
 
 
 @router.post("/episodes/{id}/sharing")
 async def of_episode(request: Request, store: StoreOf, who: Owner, id: UUID) -> Response:
     """Set who may see an exploration, or take the last change back."""
-    sharing = await run_in_threadpool(sharing_of, store, who, schema.episodes, id)
-    return await _changed(request, sharing)
+    return await _changed(request, await run_in_threadpool(sharing_of, store, who, schema.episodes, id))
 
 
 def form_values(store: Store, who: Account, table: Any, key: UUID) -> dict[str, Any] | None:
     """What the form of a page shows; None for those who may not change it."""
     sharing = sharing_of(store, who, table, key)
-    if not sharing.may_change:
-        return None
+    return _values(sharing) if sharing.may_change else None
+
+
+def _values(sharing: SharingOf) -> dict[str, Any]:
     now, until = sharing.now.sharing, sharing.now.sharing.embargoed_until
     return {
         "visibility": now.visibility,
@@ -58,18 +60,31 @@ def form_values(store: Store, who: Account, table: Any, key: UUID) -> dict[str, 
 
 
 async def _changed(request: Request, sharing: SharingOf) -> Response:
-    fields = await form_of(request)
+    fields, address = await form_of(request), request.url.path.removesuffix("/sharing")
     if fields.get("do") == "undo":
         await run_in_threadpool(sharing.undo)
     else:
-        await run_in_threadpool(sharing.change, _fields(fields, sharing))
-    return RedirectResponse(request.url.path.removesuffix("/sharing"), 303)
+        try:
+            wanted = _fields(fields, sharing)
+        except StoreError as error:
+            return await run_in_threadpool(_again, request, address, sharing, fields, str(error))
+        await run_in_threadpool(sharing.change, wanted)
+    return RedirectResponse(address, 303)
+
+
+def _again(request: Request, address: str, sharing: SharingOf, given: Mapping[str, str], fault: str) -> Response:
+    """The form with what was typed, and what is wrong with that."""
+    sharing.check()
+    typed = {name: given.get(name, "") for name in ("visibility", "until")}
+    return page(
+        request, "share.html", 422, address=address, sharing={**_values(sharing), **typed}, fault=words_of(fault)
+    )
 
 
 def _fields(given: Mapping[str, str], sharing: SharingOf) -> dict[str, Any]:
     visibility, until = given.get("visibility", ""), given.get("until", "")
     if visibility not in VISIBILITIES:
-        raise problem(422, f"visibility: found {visibility[:40]!r}, expected one of {', '.join(VISIBILITIES)}")
+        raise StoreError(f"visibility: found {visibility[:40]!r}, expected one of {', '.join(VISIBILITIES)}")
     before = sharing.now.sharing.embargoed_until
     if before is not None and until == before.astimezone(UTC).strftime(UNTIL):
         # the field holds whole minutes, and sending it again must not end an embargo earlier

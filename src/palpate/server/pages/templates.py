@@ -46,11 +46,17 @@ def page(
     return HTMLResponse(body, status, {"Content-Security-Policy": policy(nonce), **(headers or {})})
 
 
-def error_page(request: Request, status: int, title: str, detail: str, headers: Mapping[str, str]) -> HTMLResponse:
-    """The page of an error; to who is not logged in what is private looks as if it were not there."""
+def error_page(
+    request: Request, status: int, title: str, detail: str, headers: Mapping[str, str], way_on: object = None
+) -> HTMLResponse:
+    """The page of an error; to who is not logged in what is private looks as if it were not there.
+
+    `way_on` has a heading instead of the title, and an address with the words of the link there.
+    """
     may_be_private = status == 404 and getattr(request.state, "account", Account()).name is None
     log_in = way_in(request) if status == 401 or may_be_private else None
-    return page(request, "error.html", status, headers, code=status, title=title, detail=detail, log_in=log_in)
+    told = {"code": status, "title": title, "detail": detail, "log_in": log_in, "way_on": way_on}
+    return page(request, "error.html", status, headers, **told)
 
 
 @lru_cache(maxsize=1)

@@ -18,6 +18,7 @@ from starlette.datastructures import FormData, UploadFile
 from palpate.server.api.parameters import StoreOf
 from palpate.server.memory import Memory
 from palpate.server.pages.allowance import Allowance
+from palpate.server.pages.saved import saved
 from palpate.server.pages.templates import page, search
 from palpate.server.pages.waiting import Owner, Waiting, gone, waiting_preview
 from palpate.server.plausible import check_plausible
@@ -67,6 +68,7 @@ def _form(request: Request, who: Account, given: dict[str, str], fault: str | No
         status,
         given=given,
         preset={"recorded_at": f"{datetime.now(UTC):%Y-%m-%dT%H:%M}"},
+        saved=saved(request),
         fault=None if fault is None else words_of(fault),
         largest=largest,
         most_files=MOST_FILES,
@@ -201,7 +203,7 @@ async def keep_all(
             wishes = Wishes.of_form(fields)
         except StoreError as error:
             left = Allowance(memory=memory)
-            return await run_in_threadpool(_shown, request, store, who, left, waiting, fields, str(error))
+            return await run_in_threadpool(_shown, request, store, who, left, waiting, fields, words_of(str(error)))
         await run_in_threadpool(keep, state_of(request), who, waiting, wishes)
     return _to_kept(id)
 
@@ -241,4 +243,4 @@ async def cancel(request: Request, who: Owner, waiting: Waiting) -> Response:
     """Forget what was sent."""
     check_same_site(request)
     await run_in_threadpool(state_of(request).previews.drop, waiting.id)
-    return RedirectResponse("/upload", 303)
+    return RedirectResponse(search("/upload", saved="cancelled"), 303)

@@ -14,7 +14,7 @@ from palpate.server.api.parameters import DIGEST, Place
 from palpate.server.api.series import get_sound
 from palpate.server.memory import Memory
 from palpate.server.pages.signals import kind_of
-from palpate.server.problems import ProblemError, problem
+from palpate.server.problems import ProblemError, WayOn, problem
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.who import needs
 from palpate.server.state import state_of
@@ -48,6 +48,7 @@ def gone() -> ProblemError:
         404,
         "there is no upload that waits here: it was kept or cancelled, its time is over, newer ones took its place,"
         " or it is not yours",
+        way_on=WayOn("No upload waits here", "/upload", "Upload something"),
     )
 
 

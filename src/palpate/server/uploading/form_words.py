@@ -1,4 +1,4 @@
-"""What is wrong with a typed measurement, by the names that its form has."""
+"""What is wrong with a form, by the labels that its fields have."""
 
 from __future__ import annotations
 
@@ -26,6 +26,8 @@ FIELDS: Mapping[str, str] = {
     "setup.camera.name": "Device",
     "setup.microphone.name": "Device",
     "visibility": "Who may see it",
+    "until": "But not before",
+    "embargoed_until": "But not before",
 }
 
 
