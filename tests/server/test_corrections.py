@@ -104,6 +104,70 @@ def test_who_may_change_what(client: TestClient, store: Store, token: Token) -> 
     assert find_thing(store, "lab/cup").merged_into is None
 
 
+def test_nobody_learns_a_name_by_a_merge_unless_that_is_wanted(client: TestClient, store: Store, token: Token) -> None:
+    """Who merges is told who would learn it, by form and by service; what nobody learns asks for nothing."""
+    hidden, shared = ThingRef("lab", "hidden"), ThingRef("lab", "shared")
+    store.put_many(
+        [
+            squeeze(4, thing=hidden, owner="ann", visibility="private"),
+            squeeze(5, thing=shared, owner="ann", visibility="lab"),
+        ]
+    )
+    ann = {**token("ann"), "Origin": "http://testserver", "Accept": "text/html"}
+    fields = {"do": "merge", "into": "lab/hidden"}
+    for name, others in (("cup", "everybody would"), ("shared", "everybody with an account would")):
+        sent = {"dataset": "lab", "name": "hidden"}
+        refused = client.post(f"{API}/lab/{name}/merge", json=sent, headers=ann)
+        assert refused.status_code == 422
+        assert f"{others} learn by this that there is lab/hidden" in refused.json()["errors"][0]["detail"]
+        page = client.post(f"/objects/lab/{name}/edit", data=fields, headers=ann)
+        assert page.status_code == 422
+        assert f"Others may learn its name: {others} learn" in page.text
+        assert 'value="lab/hidden"' in page.text
+        assert client.get(f"{API}/lab/hidden").status_code == 404
+    # to those who see both it is nothing new
+    assert (
+        client.post(f"{API}/lab/hidden/merge", json={"dataset": "lab", "name": "cup"}, headers=ann).status_code == 200
+    )
+    assert client.post(f"{API}/lab/hidden/split", headers=ann).status_code == 200
+    client.follow_redirects = False
+    wanted = client.post("/objects/lab/cup/edit", data={**fields, "shows_name": "yes"}, headers=ann)
+    assert wanted.status_code == 303
+    assert client.get(f"{API}/lab/hidden").json()["merged"] == [{"dataset": "lab", "name": "cup"}]
+
+
+def test_an_owner_learns_no_name_of_another_owner_by_a_merge(client: TestClient, store: Store, token: Token) -> None:
+    """Of two objects that are private, and seen by one alone who may merge them."""
+    his, hers = ThingRef("lab", "his"), ThingRef("lab", "hers")
+    store.put_many(
+        [
+            squeeze(4, thing=his, owner="bob", visibility="private"),
+            squeeze(5, thing=hers, owner="ann", visibility="private"),
+        ]
+    )
+    root, sent = token("root", Role.ADMIN), {"dataset": "lab", "name": "hers"}
+    refused = client.post(f"{API}/lab/his/merge", json=sent, headers=root)
+    assert "bob would learn by this that there is lab/hers" in refused.json()["detail"]
+    merged = client.post(f"{API}/lab/his/merge", json={**sent, "shows_name": True}, headers=root)
+    assert (merged.status_code, merged.json()["recordings"]) == (200, 2)
+
+
+def test_what_is_hidden_from_who_merges_is_answered_as_what_is_not_there(
+    client: TestClient, store: Store, token: Token
+) -> None:
+    """By the form and by the service: the same but for the name that they gave."""
+    store.put(squeeze(4, thing=ThingRef("lab", "unseen"), owner="root", visibility="private"))
+    carl = {**token("carl", Role.CURATOR), "Origin": "http://testserver", "Accept": "text/html"}
+    answers = set()
+    for name in ("unseen", "absent"):
+        by_service = client.post(f"{API}/lab/cup/merge", json={"dataset": "lab", "name": name}, headers=carl)
+        by_form = client.post("/objects/lab/cup/edit", data={"do": "merge", "into": f"lab/{name}"}, headers=carl)
+        assert {by_service.status_code, by_form.status_code} == {422}
+        main = by_form.text.partition("<main")[2].replace(name, "NAME")
+        answers.add((by_service.text.replace(name, "NAME"), main))
+    assert len(answers) == 1
+
+
 @pytest.mark.parametrize(
     ("entry", "field"),
     [
@@ -171,7 +235,7 @@ def test_by_forms(client: TestClient, store: Store) -> None:
     nowhere = send(do="merge", into='nope"<')
     assert (nowhere.status_code, 'name="into" value="nope&#34;&lt;"' in nowhere.text) == (422, True)
     forgotten = send(do="know", property="mass", value="120", sd="", unit="", source="guess")
-    assert "unit: is missing, expected one of mass" in forgotten.text
+    assert "Unit: is missing, expected one of mass" in forgotten.text
     assert send(do="forget", property="material", source="eye").status_code == 303
     assert send(do="merge", into="lab/mug").status_code == 303
     assert find_thing(store, "lab/cup").merged_into == find_thing(store, "lab/mug").ref

@@ -11,12 +11,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from palpate.server.plausible import check_plausible
-from palpate.server.problems import problem
+from palpate.server.problems import problem, problem_of_store
 from palpate.server.security.accounts import Account, Role
 from palpate.store.audit import ADDED, CHANGED, MERGED, UNDOABLE, Change
 from palpate.store.changing_seen import ChangedMeanwhileError, change_seen, seen_history, undo_seen
 from palpate.store.entries import Entry
+from palpate.store.errors import StoreError
 from palpate.store.merging import merge_things, split_thing
+from palpate.store.name_shown import who_learns_name
 from palpate.store.records import ThingRef
 from palpate.store.store import Store
 from palpate.store.things import Thing
@@ -63,13 +65,20 @@ class Corrections:
         """Tell no longer what a source, or any source, says of a property."""
         self._change(lambda thing: thing.without(property, source))
 
-    def merge(self, dataset: str, name: str) -> ThingRef:
-        """Let it count as another one, which is given back."""
+    def merge(self, dataset: str, name: str, *, shows_name: bool = False) -> ThingRef:
+        """Let it count as another one, which is given back.
+
+        Where others learn the name of that one by this, it is done only where that is wanted.
+        """
         self._check(self.thing.ref)
         into = visible_thing(self.store, self.who.viewer, dataset, name)
         if into is None:
             raise problem(422, f"into: object {dataset}/{name}: there is none, or none that you may see")
         self._check(into.ref)
+        others = None if shows_name else who_learns_name(self.store, self.who.viewer, self.thing.ref, into.ref)
+        if others is not None:
+            learn = f"{others} would learn by this that there is {dataset}/{name}, which they do not see"
+            raise problem_of_store(StoreError(f"shows_name: {learn}; expected that it is wanted"))
         merge_things(self.store, self.thing.ref, into.ref, who=self.who.name)
         return into.ref
 

@@ -49,10 +49,11 @@ class Forgotten(models.Strict):
 
 
 class Into(models.Strict):
-    """The object that another one counts as from now on."""
+    """The object that another one counts as from now on; and whether others may learn its name by that."""
 
     dataset: Text
     name: Text
+    shows_name: bool = False
 
 
 @router.patch("", response_model=models.Object)
@@ -81,8 +82,11 @@ def forget(corrections: Of, asked: Annotated[Forgotten, Query()]) -> Response:
 
 @router.post("/merge", response_model=models.Object)
 def merge(corrections: Of, into: Into) -> Response:
-    """Let it count as another one, which is the answer: no recording is changed."""
-    ref = corrections.merge(into.dataset, into.name)
+    """Let it count as another one, which is the answer: no recording is changed.
+
+    Who sees the first learns the name of the second: where that is new to others, it is done only with `shows_name`.
+    """
+    ref = corrections.merge(into.dataset, into.name, shows_name=into.shows_name)
     return answer(plain.thing(seen_thing(corrections.store, corrections.who, ref.dataset, ref.id)))
 
 

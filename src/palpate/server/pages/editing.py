@@ -17,6 +17,7 @@ from palpate.server.security.accounts import Account, Role
 from palpate.server.security.sites import form_of
 from palpate.server.security.who import needs
 from palpate.server.typed_entries import typed_entry
+from palpate.server.uploading.form_words import words_of
 from palpate.store.changing_seen import version_of
 from palpate.store.errors import StoreError, UnavailableError
 
@@ -52,9 +53,9 @@ async def change(request: Request, store: StoreOf, who: Owner, thing: SeenThing)
             # what was typed stays, beside what holds by now
             thing = await run_in_threadpool(seen_thing, store, who, thing.ref.dataset, thing.ref.id)
             corrections = Corrections(store, who, thing)
-        elif status != 422:
+        elif status not in (403, 422):
             raise
-        return await run_in_threadpool(_page, request, corrections, fields, told, status)
+        return await run_in_threadpool(_page, request, corrections, fields, words_of(told), status)
     return RedirectResponse(search(request.url.path.removesuffix("/edit"), saved=_saved(corrections, fields)), 303)
 
 
@@ -95,7 +96,7 @@ def _forget(corrections: Corrections, fields: Fields) -> None:
 
 def _merge(corrections: Corrections, fields: Fields) -> None:
     dataset, _, name = fields.get("into", "").partition("/")
-    corrections.merge(dataset, name)
+    corrections.merge(dataset, name, shows_name=fields.get("shows_name") == "yes")
 
 
 ACTS: Mapping[str, Callable[[Corrections, Fields], object]] = {
