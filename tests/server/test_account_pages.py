@@ -2,6 +2,7 @@
 
 import json
 import re
+from concurrent.futures import ThreadPoolExecutor
 from hashlib import sha256
 from html import unescape
 
@@ -13,7 +14,7 @@ from palpate.server.app import application
 from palpate.server.security.accounts import Account, Role, add_user, users
 from palpate.server.security.lifetimes import MICROSECONDS_PER_DAY
 from palpate.server.security.logging_in import knows_password, set_password
-from palpate.server.security.tokens import account_of, issue, tokens
+from palpate.server.security.tokens import MadeAlreadyError, account_of, issue, tokens
 from palpate.server.settings import Settings
 from palpate.store import schema
 from palpate.store.registry import now_us
@@ -103,6 +104,58 @@ def test_tokens_are_shown_once_and_told_from_sessions(ann: TestClient, store: St
     assert [did for _, _, did in audit(store)] == ["made a token for a reader", f"ended token {number}"]
     foreign = ann.post("/account", data={"do": "token"}, headers={"Origin": "http://evil.example"})
     assert foreign.status_code == 403
+
+
+def test_a_form_that_is_sent_again_makes_no_second_token(ann: TestClient, store: Store) -> None:
+    """As by reloading the page of the new one; the page says so, tells no secret, and makes another one when asked."""
+    for count in (1, 2):
+        fields = {"do": "token", "role": "reader", "days": "30", "last": last_token(ann)}
+        status, told = send(ann, "/account", **fields)
+        assert (status, len(re.findall(r"palpate_[\w-]{20,}", told))) == (200, 1)
+        again, told = send(ann, "/account", **fields)
+        assert (again, "palpate_" in told.partition("<main")[2]) == (409, False)
+        assert f"Token {tokens(store, 'ann')[-1].id} was made since" in told
+        assert len([one for one in tokens(store, "ann") if not one.is_session]) == count
+    # what ended since is no reason to make it once more, and what another account has made is none not to
+    add_user(store, "bob", Role.OWNER)
+    asked = last_token(ann)
+    issue(store, "bob")
+    assert send(ann, "/account", do="token", role="reader", days="30", last=asked)[0] == 200
+    assert send(ann, "/account", do="end", number=str(tokens(store, "ann")[-1].id))[0] == 303
+    assert send(ann, "/account", do="token", role="reader", days="30", last=asked)[0] == 409
+    assert send(ann, "/account", do="token", role="reader", days="30", last="soon")[0] == 422
+
+
+def test_one_of_two_forms_sent_at_once_makes_a_token(ann: TestClient, store: Store) -> None:
+    """A button that is pressed twice: the first one decides."""
+    role, last = Role.READER, int(last_token(ann))
+    with ThreadPoolExecutor(4) as pool:
+        made = [pool.submit(issue, store, "ann", role, last=last) for _ in range(4)]
+        faults = [one.exception() for one in made]
+    assert len([one for one in faults if one is None]) == 1
+    assert {type(one) for one in faults if one is not None} == {MadeAlreadyError}
+
+
+def last_token(client: TestClient) -> str:
+    """What the form to make a token has of those that there are."""
+    (found,) = re.findall(r'name="last" value="(\d+)"', client.get("/account").text)
+    return str(found)
+
+
+def test_a_token_of_half_a_day_is_no_session(ann: TestClient, store: Store) -> None:
+    """It is among the tokens, holds where the password changes, and makes none that lasts longer."""
+    (session,) = (one.id for one in tokens(store, "ann"))
+    half = [issue(store, "ann", days=days) for days in (0.5, 0.4)]
+    assert [one.id for one in tokens(store, "ann") if one.is_session] == [session]
+    assert [one.tokens for one in users(store)] == [2]
+    browser = TestClient(application(store))
+    browser.cookies.set("palpate-session", half[0])
+    told = send(browser, "/account", do="token", role="reader", days="365")[1]
+    (secret,) = re.findall(r"palpate_[\w-]{20,}", told)
+    assert left_days(store, secret) <= 0.5
+    set_password(store, "ann", OTHER)
+    assert [account_of(store, one) is not None for one in half] == [True] * 2
+    assert ann.get("/account").status_code == 401
 
 
 def test_a_program_makes_a_token_of_no_greater_scope(client: TestClient, store: Store) -> None:

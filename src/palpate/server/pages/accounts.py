@@ -17,7 +17,7 @@ from palpate.server.security.accounts import Account, Role, has_account, users
 from palpate.server.security.lifetimes import SESSION_DAYS
 from palpate.server.security.managing import Accounts
 from palpate.server.security.sites import form_of
-from palpate.server.security.tokens import issue, number_of, tokens
+from palpate.server.security.tokens import MadeAlreadyError, issue_session, number_of, tokens
 from palpate.server.security.who import SESSION, latest_end_of, needs
 from palpate.server.state import state_of
 from palpate.server.typed_entries import typed_number
@@ -49,13 +49,15 @@ async def change_own(request: Request, store: StoreOf, who: Somebody) -> Respons
         if do == "token":
             role = Role.parse(fields.get("role", ""))
             until_us = await run_in_threadpool(latest_end_of, request)
-            secret = await run_in_threadpool(accounts.make_token, role, _days(fields), until_us)
+            last = _number(fields, "last") if "last" in fields else None
+            secret = await run_in_threadpool(accounts.make_token, role, _days(fields), until_us, last)
             return await run_in_threadpool(_own, request, accounts, secret=secret)
         await run_in_threadpool(accounts.end_token, _number(fields))
     except UnavailableError:
         raise
     except StoreError as error:
-        return await run_in_threadpool(_own, request, accounts, fault=str(error))
+        status = 409 if isinstance(error, MadeAlreadyError) else 422
+        return await run_in_threadpool(_own, request, accounts, status, fault=str(error))
     return RedirectResponse("/account", 303)
 
 
@@ -67,22 +69,26 @@ async def _change_password(request: Request, accounts: Accounts, fields: Fields)
     await run_in_threadpool(accounts.change_password, fields.get("old", ""), fields.get("new", ""))
     found = RedirectResponse("/account?saved=password", 303)
     # the session of this browser has ended with the others
-    secret = await run_in_threadpool(issue, accounts.store, accounts.name, days=SESSION_DAYS)
+    secret = await run_in_threadpool(issue_session, accounts.store, accounts.name)
     begin_session(found, secret, secure=state_of(request).settings.secure)
     return found
 
 
-def _own(request: Request, accounts: Accounts, *, fault: str | None = None, secret: str | None = None) -> HTMLResponse:
-    held = [one for one in tokens(accounts.store, accounts.name) if one.holds]
+def _own(
+    request: Request, accounts: Accounts, status: int = 200, *, fault: str | None = None, secret: str | None = None
+) -> HTMLResponse:
+    every = tokens(accounts.store, accounts.name)
+    held = [one for one in every if one.holds]
     return page(
         request,
         "account.html",
-        200 if fault is None else 422,
+        status,
         fault=fault,
         secret=secret,
         changed=request.query_params.get("saved") == "password",
         role=accounts.who.role.with_article,
         roles=[role.name.lower() for role in ROLES if role <= accounts.who.role],
+        last=max((one.id for one in every if not one.is_session), default=0),
         programs=[one for one in held if not one.is_session],
         sessions=[one for one in held if one.is_session],
         here=number_of(accounts.store, request.cookies.get(SESSION, "")),
@@ -162,8 +168,8 @@ def _days(fields: Fields) -> float:
     return found
 
 
-def _number(fields: Fields) -> int:
-    text = fields.get("number", "")
+def _number(fields: Fields, name: str = "number") -> int:
+    text = fields.get(name, "")
     if not (text.isascii() and text.isdigit() and len(text) < 16):
-        raise StoreError(f"number: found {text[:40]!r}, expected that of a token")
+        raise StoreError(f"{name}: found {text[:40]!r}, expected that of a token")
     return int(text)

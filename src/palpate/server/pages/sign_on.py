@@ -16,10 +16,9 @@ from palpate.server.pages.templates import page
 from palpate.server.problems import problem
 from palpate.server.security.asking import AwayError, SignOnError
 from palpate.server.security.identities import UnknownPersonError, account_name
-from palpate.server.security.logging_in import SESSION_DAYS
 from palpate.server.security.returns import log_in_for, own_path
 from palpate.server.security.single_sign_on import Attempt, Provider
-from palpate.server.security.tokens import issue
+from palpate.server.security.tokens import issue_session
 from palpate.server.state import state_of
 from palpate.store.store import Store
 from palpate.store.unpadded import from_unpadded, to_unpadded
@@ -60,7 +59,7 @@ async def come_back(request: Request, store: StoreOf) -> Response:
     state_of(request).tries.count(request, BACK)
     try:
         name = await run_in_threadpool(_name, request, store, provider, attempt)
-        secret = await run_in_threadpool(issue, store, name, days=SESSION_DAYS)
+        secret = await run_in_threadpool(issue_session, store, name)
         found: Response = page(request, "sign_on.html", told=None, name=name, next=next)
         begin_session(found, secret, secure=state_of(request).settings.secure)
     except (SignOnError, UnknownPersonError) as error:

@@ -6,15 +6,15 @@ from sqlalchemy import ColumnElement
 
 from palpate.store import schema
 
-__all__ = ["LONGEST_SESSION_US", "MICROSECONDS_PER_DAY", "SESSION_DAYS", "is_of_session"]
+__all__ = ["MICROSECONDS_PER_DAY", "SESSION_DAYS", "SESSION_US", "is_of_session"]
 
 MICROSECONDS_PER_DAY = 86_400_000_000
 SESSION_DAYS = 0.5
-"""A token made for no longer is a session: what a browser gets where somebody logs in."""
-LONGEST_SESSION_US = int(SESSION_DAYS * MICROSECONDS_PER_DAY)
+SESSION_US = int(SESSION_DAYS * MICROSECONDS_PER_DAY)
+"""A session, what a browser gets where somebody logs in, is made for exactly as long, and no other token is."""
 
 
 def is_of_session() -> ColumnElement[bool]:
     """The condition that a token is a session."""
     columns = schema.tokens.c
-    return columns.expires_us.is_not(None) & (columns.expires_us - columns.created_us <= LONGEST_SESSION_US)
+    return columns.expires_us.is_not(None) & (columns.expires_us - columns.created_us == SESSION_US)

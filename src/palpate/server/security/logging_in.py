@@ -5,15 +5,15 @@ from __future__ import annotations
 from sqlalchemy import select, update
 
 from palpate.server.security.accounts import no_account
-from palpate.server.security.lifetimes import SESSION_DAYS, is_of_session
+from palpate.server.security.lifetimes import is_of_session
 from palpate.server.security.passwords import hashed, is_password
-from palpate.server.security.tokens import issue
+from palpate.server.security.tokens import issue_session
 from palpate.store import schema
 from palpate.store.database import changing
 from palpate.store.registry import now_us
 from palpate.store.store import Store
 
-__all__ = ["SESSION_DAYS", "knows_password", "log_in", "set_password"]
+__all__ = ["knows_password", "log_in", "set_password"]
 
 
 def set_password(store: Store, name: str, password: str) -> None:
@@ -38,7 +38,7 @@ def set_password(store: Store, name: str, password: str) -> None:
 
 def log_in(store: Store, name: str, password: str) -> str | None:
     """A token for a browser, for half a day; None where the name or the password is wrong, and nobody learns which."""
-    return issue(store, name, days=SESSION_DAYS) if knows_password(store, name, password) else None
+    return issue_session(store, name) if knows_password(store, name, password) else None
 
 
 def knows_password(store: Store, name: str, password: str) -> bool:

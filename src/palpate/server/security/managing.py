@@ -40,11 +40,14 @@ class Accounts:
         set_password(self.store, self.name, new)
         self._note(self.name, "changed the password")
 
-    def make_token(self, role: Role | None, days: float, until_us: int | None) -> str:
-        """One's own, which may do no more than who asks now, and ends at `until_us` at the latest."""
+    def make_token(self, role: Role | None, days: float, until_us: int | None, last: int | None = None) -> str:
+        """One's own, which may do no more than who asks now, and ends at `until_us` at the latest.
+
+        Refused where there is a later one than the `last` that they have seen.
+        """
         if role is not None and role > self.who.role:
             raise StoreError(f"role: is {role.name.lower()}, expected {self.who.role.name.lower()} or less")
-        secret = issue(self.store, self.name, role or self.who.role, days=days, until_us=until_us)
+        secret = issue(self.store, self.name, role or self.who.role, days=days, until_us=until_us, last=last)
         self._note(self.name, f"made a token for {(role or self.who.role).with_article}")
         return secret
 

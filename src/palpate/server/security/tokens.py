@@ -13,10 +13,10 @@ from functools import cache
 from hashlib import sha256
 from typing import Any
 
-from sqlalchemy import Select, bindparam, insert, or_, select, update
+from sqlalchemy import Connection, Select, bindparam, func, insert, or_, select, update
 
 from palpate.server.security.accounts import Account, Role, no_account
-from palpate.server.security.lifetimes import LONGEST_SESSION_US, MICROSECONDS_PER_DAY
+from palpate.server.security.lifetimes import MICROSECONDS_PER_DAY, SESSION_US, is_of_session
 from palpate.store import schema
 from palpate.store.database import changing
 from palpate.store.errors import StoreError
@@ -24,7 +24,18 @@ from palpate.store.registry import now_us
 from palpate.store.rows import moment_at
 from palpate.store.store import Store
 
-__all__ = ["Token", "account_of", "end", "issue", "latest_end_us", "number_of", "revoke", "tokens"]
+__all__ = [
+    "MadeAlreadyError",
+    "Token",
+    "account_of",
+    "end",
+    "issue",
+    "issue_session",
+    "latest_end_us",
+    "number_of",
+    "revoke",
+    "tokens",
+]
 
 PREFIX = "palpate_"
 """Begins each token, so that one that was published by mistake can be found."""
@@ -48,8 +59,18 @@ class Token:
         return self.revoked_at is None and (self.expires_at is None or self.expires_at > moment_at(now_us()))
 
 
+class MadeAlreadyError(StoreError):
+    """A token was made since somebody looked at which there are, as by the same form."""
+
+
 def issue(
-    store: Store, name: str, role: Role | None = None, *, days: float | None = 365.0, until_us: int | None = None
+    store: Store,
+    name: str,
+    role: Role | None = None,
+    *,
+    days: float | None = 365.0,
+    until_us: int | None = None,
+    last: int | None = None,
 ) -> str:
     """Make a token for an account.
 
@@ -61,6 +82,8 @@ def issue(
         After how many it expires; never where it is None.
     until_us
         When it expires at the latest.
+    last
+        Number of the last token of the account, as somebody has seen it: whichever it is unless given.
 
     Returns
     -------
@@ -71,22 +94,56 @@ def issue(
     ------
     StoreError
         If there is no such account, or the role is more than it has.
+    MadeAlreadyError
+        If the account has a later token than the `last` one.
     """
     if days is not None and not 0 < days <= 36_500:
         raise StoreError(f"days: found {days:g}, expected more than 0 and 36500 at most")
-    secret, columns = PREFIX + secrets.token_urlsafe(32), schema.users.c
     with changing(store.engine) as connection:
-        row = connection.execute(select(columns.id, columns.role).where(columns.name == name)).first()
-        if row is None:
-            raise no_account(name)
+        row = _locked_account(connection, name)
         own = Role.parse(row.role)
         if role is not None and role > own:
             raise StoreError(f"role: {name!r} is {row.role}, expected a token for that or less")
+        if last is not None:
+            _check_last(connection, row.id, last)
         now = now_us()
-        token = {"user_id": row.id, "digest": digest_of(secret), "role": (role or own).name.lower(), "created_us": now}
         expires = None if days is None else now + int(days * MICROSECONDS_PER_DAY)
-        ends = [one for one in (expires, until_us) if one is not None]
-        connection.execute(insert(schema.tokens).values(**token, expires_us=min(ends, default=None)))
+        until = min((one for one in (expires, until_us) if one is not None), default=None)
+        # what holds exactly as long as a session would be taken for one
+        return _insert(connection, row.id, role or own, now, until if until != now + SESSION_US else until - 1)
+
+
+def issue_session(store: Store, name: str) -> str:
+    """What a browser gets where somebody logs in: a token for all that the account may, for half a day."""
+    with changing(store.engine) as connection:
+        row, now = _locked_account(connection, name), now_us()
+        return _insert(connection, row.id, Role.parse(row.role), now, now + SESSION_US)
+
+
+def _locked_account(connection: Connection, name: str) -> Any:
+    """Number and role of an account, whose tokens nobody else makes until this ends."""
+    columns = schema.users.c
+    row = connection.execute(select(columns.id, columns.role).where(columns.name == name).with_for_update()).first()
+    if row is None:
+        raise no_account(name)
+    return row
+
+
+def _check_last(connection: Connection, account: int, last: int) -> None:
+    columns = schema.tokens.c
+    later = select(func.max(columns.id)).where(columns.user_id == account, columns.id > last, ~is_of_session())
+    found = connection.scalar(later)
+    if found is not None:
+        raise MadeAlreadyError(
+            f"Token {found} was made since this form was shown, as by sending it before; its secret was shown then, and"
+            " nobody can tell it again. Where it is lost, end that one and make another"
+        )
+
+
+def _insert(connection: Connection, account: int, role: Role, now: int, until: int | None) -> str:
+    secret = PREFIX + secrets.token_urlsafe(32)
+    token = {"user_id": account, "digest": digest_of(secret), "role": role.name.lower(), "created_us": now}
+    connection.execute(insert(schema.tokens).values(**token, expires_us=until))
     return secret
 
 
@@ -162,7 +219,7 @@ def latest_end_us(store: Store, secret: str, *, in_browser: bool) -> int | None:
         row = connection.execute(asked).first()
     if row is None or row.expires_us is None:
         return None
-    is_log_in = in_browser and row.expires_us - row.created_us == LONGEST_SESSION_US
+    is_log_in = in_browser and row.expires_us - row.created_us == SESSION_US
     return None if is_log_in else int(row.expires_us)
 
 
@@ -173,7 +230,7 @@ def digest_of(secret: str) -> bytes:
 
 def _token(row: Any) -> Token:
     expires_at, revoked_at = (None if us is None else moment_at(us) for us in (row.expires_us, row.revoked_us))
-    is_session = row.expires_us is not None and row.expires_us - row.created_us <= LONGEST_SESSION_US
+    is_session = row.expires_us is not None and row.expires_us - row.created_us == SESSION_US
     return Token(row.id, row.name, row.role, moment_at(row.created_us), expires_at, revoked_at, is_session)
 
 
