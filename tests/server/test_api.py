@@ -16,6 +16,7 @@ from fastapi.testclient import TestClient
 from palpate.network import units
 from palpate.server.api import models
 from palpate.server.app import application
+from palpate.server.repeated import LISTS
 from palpate.store.describing import change_thing, keep_image
 from palpate.store.entries import Distribution, Value
 from palpate.store.keeping_episodes import put_episode
@@ -173,6 +174,31 @@ def test_filters(client: TestClient, store: Store, asked: str, expected: set[int
     change_thing(store, put[2].thing, lambda thing: thing.knowing(metal, "a label"))
     found = {item["digest"] for item in client.get(f"{API}/recordings?{asked}").json()["items"]}
     assert found == {put[number].digest for number in expected}
+
+
+@pytest.mark.parametrize(
+    "address", [f"{API}/recordings", f"{API}/entries", f"{API}/objects", "/recordings", "/objects"]
+)
+def test_a_filter_of_one_value_is_given_once(client: TestClient, address: str) -> None:
+    """Else one of the two would be passed over, and nobody would notice; what is refused is named."""
+    for asked in ("action=weighing&action=knocking", "action=weighing&action=", "action=weighing&action=weighing"):
+        refused = client.get(f"{address}?{asked}&limit=5")
+        assert (refused.status_code, refused.json()["detail"]) == (422, "action: is given 2 times, expected once")
+        assert [one["field"] for one in refused.json()["errors"]] == ["query.action"]
+    page = client.get("/recordings?owner=a&owner=b", headers={"Accept": "text/html"})
+    assert (page.status_code, "owner: is given 2 times, expected once" in page.text) == (422, True)
+
+
+def test_what_may_be_given_several_times_is_what_lists_are(client: TestClient) -> None:
+    """The document says which parameters of the service are lists, and no other may be repeated."""
+    paths = client.get(f"{API}/openapi.json").json()["paths"]
+    asked = [one for path in paths.values() for method in path.values() for one in method.get("parameters", ())]
+    lists = {one["name"] for one in asked if one["in"] == "query" and one["schema"].get("type") == "array"}
+    assert {"fields", "known", "label"} <= lists <= LISTS
+    assert LISTS - lists == {"recording", "colour"}
+    key = "0190a5c4-0000-7000-8000-000000000000"
+    assert client.get(f"/compare?recording={key}&recording={key}").status_code == 200
+    assert client.get(f"/compare/curves.json?recording={key}&recording={key}&colour=1&colour=1").status_code == 404
 
 
 def test_fields_are_those_asked_for(client: TestClient, store: Store) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from anyio.to_thread import current_default_thread_limiter
-from fastapi import APIRouter, FastAPI
+from fastapi import APIRouter, Depends, FastAPI
 from starlette.middleware import Middleware
 
 from palpate import __version__
@@ -20,6 +20,7 @@ from palpate.server.document import Described
 from palpate.server.heads import HeadAsGet
 from palpate.server.pages import site
 from palpate.server.problems import OLD_ADDRESSES, Problem, Unexpected, install
+from palpate.server.repeated import check_once
 from palpate.server.rest import addresses
 from palpate.server.security.bodies import BodyLimits
 from palpate.server.security.headers import SecurityHeaders
@@ -75,6 +76,7 @@ def application(store: Store, settings: Settings | None = None) -> FastAPI:
         redoc_url=None,
         openapi_url=f"{API}/openapi.json",
         lifespan=open_until_stopped,
+        dependencies=[Depends(check_once)],
         middleware=_middleware(settings),
     )
     app.state.palpate = State(store, settings, previews, settings.provider())
