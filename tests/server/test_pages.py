@@ -281,3 +281,28 @@ def test_hidden_letters_of_older_stores_are_seen_on_every_page(client: TestClien
     assert figures
     for figure in figures:
         assert "\\u202e" not in client.get(unescape(figure)).text.replace("\\\\u202e", "")
+
+
+def test_recordings_are_found_by_a_part_of_the_name_of_their_object(client: TestClient, store: Store) -> None:
+    """In any case: of one object at once, several are offered with what else was asked; a whole name is exact."""
+    cups = [ThingRef("lab", name, common_name=common) for name, common in (("cup", None), ("cup2", "Blue Tasse"))]
+    store.put_many(squeeze(place, thing=thing, visibility="public") for place, thing in enumerate(cups))
+    store.put(squeeze(5, thing=ThingRef("lab", "cup3"), visibility="private", owner="ann"))
+    whole = client.get("/recordings?object=cup").text
+    assert whole.count("<tr>") == 2
+    assert "/objects/lab/cup2" not in whole
+    for asked in ("tass", "TASSE", "LAB/blue", "cup2"):
+        one = client.get(f"/recordings?action=squeezing&object={asked}")
+        assert one.status_code == 200
+        assert one.url.params["action"] == "squeezing"
+        assert one.text.count("<tr>") == 2
+        assert 'href="/objects/lab/cup2"' in one.text
+    several = unescape(client.get("/recordings?action=squeezing&object=CU").text)
+    assert several.count("<tr>") == 0
+    offered = re.findall(r'href="(/recordings\?[^"]*object=[^"]*)"', several)
+    assert offered == [f"/recordings?action=squeezing&object=lab%2F{name}" for name in ("cup", "cup2")]
+    assert "called exactly CU" in several
+    # nothing is offered of what is not seen, and nothing leads in a circle
+    for asked in ("object=cup3", "object=no+such", "object=lab/cup&action=knocking", "object=cup2&action=knocking"):
+        none = client.get(f"/recordings?{asked}")
+        assert (none.status_code, "No recording fits" in none.text) == (200, True), asked

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
-from fastapi.responses import HTMLResponse, Response
+from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
 from palpate.server.api.parameters import Place, SeenRecording, StoreOf
 from palpate.server.api.queries import RecordingQuery
@@ -25,7 +25,7 @@ from palpate.server.pages.signals import (
     shown_signals,
     sound_of_file,
 )
-from palpate.server.pages.templates import page
+from palpate.server.pages.templates import page, with_query
 from palpate.server.plots.curves import channel_plot
 from palpate.server.plots.spectrogram import spectrogram
 from palpate.server.plots.squeezes import squeeze_plot
@@ -34,19 +34,44 @@ from palpate.server.security.who import Who
 from palpate.store import schema
 from palpate.store.listing import list_recordings
 from palpate.store.parts import log_of
+from palpate.store.store import Store
+from palpate.store.viewing import Viewer, VisibleFilter
+from palpate.store.visible_things import ThingFilter, list_visible_things
 
 __all__ = ["router"]
 
 router = APIRouter(prefix="/recordings")
 LONGEST_LOG = 20_000
+OFFERED = 24
+"""Objects among which to choose."""
 
 
 @router.get("")
-def rows(request: Request, store: StoreOf, who: Who, query: Annotated[RecordingQuery, Query()]) -> HTMLResponse:
-    """A list of recordings, filtered and sorted."""
+def rows(request: Request, store: StoreOf, who: Who, query: Annotated[RecordingQuery, Query()]) -> Response:
+    """A list of recordings, filtered and sorted; where no object is called so, of the one that is called about so."""
     wanted, sort = query.filter(who.viewer), query.sorting()
     found = list_recordings(store, wanted, sort, limit=query.limit, cursor=query.cursor)
-    return page(request, "recordings.html", rows=found.rows, cursor=found.cursor, asked=query)
+    alike = [] if found.rows or query.object is None else _called_alike(store, who.viewer, query.object)
+    if len(alike) == 1:
+        return RedirectResponse(with_query(request.url.path, request.query_params, object=alike[0]), 303)
+    return page(
+        request,
+        "recordings.html",
+        rows=found.rows,
+        cursor=found.cursor,
+        asked=query,
+        alike=alike[:OFFERED],
+        is_more=len(alike) > OFFERED,
+    )
+
+
+def _called_alike(store: Store, viewer: Viewer, name: str) -> list[str]:
+    """Objects that have each word of a name in one of theirs, by their paths; none where one is called exactly so."""
+    if list_recordings(store, VisibleFilter(thing=name, viewer=viewer), limit=1).rows:
+        return []
+    found = list_visible_things(store, viewer, ThingFilter(text=name.replace("/", " ")), limit=OFFERED + 1).rows
+    exact = {spelt for one in found for spelt in (one.path, one.ref.id, one.ref.common_name, *one.ref.aliases)}
+    return [] if name in exact else [one.path for one in found]
 
 
 @router.get("/{key}")

@@ -29,7 +29,7 @@ from palpate.server.security.returns import way_in
 from palpate.store.entries import Bound, Distribution, Entry, Interval, Value
 from palpate.store.records import ThingRef
 
-__all__ = ["STATIC", "error_page", "page", "search"]
+__all__ = ["STATIC", "error_page", "page", "search", "with_query"]
 
 STATIC = Path(__file__).parents[1] / "static"
 
@@ -72,7 +72,7 @@ def _environment() -> Environment:
     found.filters |= {"number": number, "day": _day, "moment": _moment, "entry": entry_text, "plural": _plural}
     found.filters["change"] = partial(change_text, entry_text=entry_text)
     found.filters |= {"grasp": grasp_text, "maybe": _maybe, "exact": _exact}
-    found.globals |= {"thing_url": _thing_url, "asset": _asset, "version": __version__, "with_query": _with_query}
+    found.globals |= {"thing_url": _thing_url, "asset": _asset, "version": __version__, "with_query": with_query}
     found.globals |= {"search": search, "bokeh_address": bokeh_address, "now": _now}
     return found
 
@@ -163,7 +163,7 @@ def search(path: str, **values: str) -> str:
     return f"{path}?{urlencode(values)}"
 
 
-def _with_query(path: str, query: QueryParams, **changes: str | None) -> str:
+def with_query(path: str, query: QueryParams, **changes: str | None) -> str:
     """The same address with other parameters, each as often as it was given; one that is None is left out."""
     same = [(name, value) for name, value in query.multi_items() if name not in changes]
     asked = urlencode([*same, *((name, value) for name, value in changes.items() if value is not None)])
