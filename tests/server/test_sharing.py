@@ -114,6 +114,17 @@ def test_what_names_no_owner_is_of_who_has_sent_it(client: TestClient, token: To
     assert told == ["robot", None]
 
 
+def test_a_page_without_an_owner_tells_who_has_sent_it(client: TestClient, store: Store, token: Token) -> None:
+    """As the service does: to those who have an account."""
+    public = squeeze(8, visibility="public")
+    store.put(public, uploader="robot")
+    stated = "<dt>Owner</dt><dd>not stated; sent by robot"
+    for headers, is_told in ((token("bob"), True), ({}, False)):
+        page = client.get(f"/recordings/{public.id}", headers=headers).text
+        assert (stated in page, "<dt>Owner</dt><dd>not stated" in page) == (is_told, True)
+    assert "<dt>Owner</dt><dd>ann" in client.get(f"/recordings/{OWNED.id}", headers=token("ann")).text
+
+
 @pytest.mark.parametrize("way", ["put", "lines", "packages"])
 def test_each_who_sends_the_same_has_it_as_if_they_alone_did(client: TestClient, token: Token, way: str) -> None:
     """What is private and names no owner is seen by all who have sent it; none learns that it was there."""
