@@ -267,11 +267,27 @@ def test_a_page_tells_what_would_be_taken_back(client: TestClient, token: Token)
     client.post(f"{API}/lab/cup/split", headers=dora)
     assert re.search(r"It takes back: changed by bob, [^<]*: common name: &lt;cup&gt; became blue cup\.", page())
     client.put(f"{API}/lab/cup/known", json={"entry": MASS, "source": "our scale"}, headers=dora)
-    assert "changed by dora: known, mass, our scale: nothing became 118 ± 1 g</li>" in page()
+    assert "changed by dora: known, mass, our scale: 118 ± 1 g added</li>" in page()
     for _ in range(3):
         client.post(f"{API}/lab/cup/undo", headers=dora)
     assert "It takes back" not in page()
     assert 'value="undo"' not in page()
+
+
+def test_the_history_says_what_was_added_and_what_was_taken_away(client: TestClient, token: Token) -> None:
+    """Each once, in words: also of what was there and is hidden from who reads it, which is not told."""
+    carl = token("carl", Role.CURATOR)
+    changes: list[dict[str, Any]] = [{"maker": "Acme", "aliases": ["tasse"]}, {"maker": "Acme Ltd"}]
+    for change in (*changes, {"maker": None, "aliases": []}):
+        assert client.patch(f"{API}/lab/cup", json=change, headers=carl).status_code == 200
+    page = client.get("/objects/lab/cup/edit", headers=carl).text
+    told = re.findall(r"<li>[^<]* by carl: ([^<]*)</li>", page)
+    assert [sorted(line.split("; ")) for line in told] == [
+        ["aliases, tasse: taken away", "maker: Acme Ltd taken away"],
+        ["maker: Acme became Acme Ltd"],
+        ["aliases, tasse: added", "maker: Acme added"],
+    ]
+    assert "nothing" not in page.partition("<main")[2]
 
 
 def test_a_form_undoes_nothing_that_others_have_changed(client: TestClient, store: Store, token: Token) -> None:

@@ -306,3 +306,12 @@ def test_recordings_are_found_by_a_part_of_the_name_of_their_object(client: Test
     for asked in ("object=cup3", "object=no+such", "object=lab/cup&action=knocking", "object=cup2&action=knocking"):
         none = client.get(f"/recordings?{asked}")
         assert (none.status_code, "No recording fits" in none.text) == (200, True), asked
+
+
+def test_bars_of_labels_say_what_they_count(client: TestClient, store: Store) -> None:
+    """Results, by their most probable label."""
+    wood = Distribution("material", {"wood": 0.9, "foam": 0.1})
+    store.put_many(squeeze(n, thing=ThingRef("lab", "cup"), visibility="public", entries=(wood,)) for n in range(3))
+    page = client.get("/objects/lab/cup").text
+    assert re.search(r"In how many results each label is the most probable one\.</p>\s*<ul class=\"bars\">", page)
+    assert '<span class="number">3</span>' in page
