@@ -30,6 +30,7 @@ from tests.server.serving import listening
 from tests.store.made_up import squeeze
 
 axe = pytest.importorskip("axe_playwright_python.base", reason="axe is not installed")
+expect = pytest.importorskip("playwright.sync_api", reason="playwright is not installed").expect
 pytestmark = IN_A_BROWSER
 TEMPLATES = templates.STATIC.with_name("templates")
 FAULTS = """options => axe.run({resultTypes: ["violations"], ...options}).then(found => found.violations
@@ -137,6 +138,8 @@ def page(browser: Any, place: tuple[Place, str]) -> Iterator[Any]:
 
 def faults_of(page: Any) -> Iterator[str]:
     """What axe finds serious or critical in the page that is open, in each look."""
+    # of one that a button led to, all of it
+    page.wait_for_load_state()
     page.evaluate(axe.AXE_SCRIPT)
     for scheme, size, options in LOOKS:
         page.emulate_media(color_scheme=scheme)
@@ -163,6 +166,12 @@ def of_who_is_logged_in(page: Any, place: Place) -> Iterator[str]:
     for address in place.own:
         page.goto(address)
         yield address
+    page.goto(place.recording)
+    page.get_by_label("But not before").fill("9999-12-31T00:00")
+    page.get_by_role("button", name="Save").click()
+    page.get_by_role("heading", name="Nothing was changed").wait_for()
+    yield "the end of an embargo that is refused"
+    page.goto("/upload")
     for name, value in TYPED.items():
         page.locator(f"input[name={name}]").fill(value)
     page.get_by_role("button", name="Keep it").click()
@@ -180,7 +189,7 @@ def of_who_is_logged_in(page: Any, place: Place) -> Iterator[str]:
     yield "files that were chosen"
     page.get_by_role("button", name="Show what is in them").click()
     page.get_by_role("heading", name="What was understood").wait_for(timeout=60_000)
-    assert page.locator("svg.plot").count() > 0
+    expect(page.locator("svg.plot").first).to_be_attached()
     yield "what was understood"
     waiting = page.url
     with pytest.MonkeyPatch.context() as patched:
@@ -198,6 +207,7 @@ def of_who_is_logged_in(page: Any, place: Place) -> Iterator[str]:
         page.locator(f"input[name={name}]").fill(value)
     page.context.clear_cookies()
     page.get_by_role("button", name="Keep it").click()
+    page.get_by_role("button", name="Log in").wait_for()
     yield "what was typed when the session had ended"
     page.get_by_label("Name").fill("carl")
     page.get_by_label("Password").fill(PASSWORD)
@@ -258,6 +268,7 @@ def test_the_keyboard_reaches_all_and_shows_where_it_is(page: Any, place: tuple[
     if size is PHONE:
         assert "Objects" not in names
         page.locator(".menu summary").press("Enter")
+        expect(page.locator(".menu nav")).to_be_visible()
         opened = list(stops(page))
         assert [name for name, shown in opened if not shown] == []
         names += [name for name, _ in opened]
@@ -267,7 +278,7 @@ def test_the_keyboard_reaches_all_and_shows_where_it_is(page: Any, place: tuple[
     page.keyboard.press("Tab")
     page.keyboard.press("Enter")
     page.keyboard.press("Tab")
-    assert page.evaluate("document.activeElement.name") == "text"
+    expect(page.locator("input[name=text]")).to_be_focused()
     page.keyboard.type("bell")
     page.keyboard.press("Enter")
     page.wait_for_url("**/recordings?text=bell**")
