@@ -14,6 +14,8 @@ from palpate.store.errors import StoreError
 from palpate.store.records import Device, Recording, Setup, ThingRef
 from palpate.store.store import Store
 from palpate.store.summary import objects_by_properties
+from palpate.store.things import find_thing
+from palpate.store.undoing import undo
 from palpate.store.verifying import verify
 
 T0 = datetime(2024, 5, 1, tzinfo=UTC)
@@ -112,6 +114,17 @@ def test_values_are_shown_in_their_own_unit(odd: Store, client: TestClient) -> N
     assert ">4 blorbs</a>" in page
     assert ">above 8 blorbs</a>" in page
     assert "2 blorbs" in page
+
+
+def test_what_is_known_in_such_a_unit_is_in_nobodys_way(odd: Store) -> None:
+    """The object is described otherwise, and what is known stays until it is forgotten; nobody can tell it anew."""
+    change_thing(odd, CUP, lambda thing: thing.described(maker="Acme"))
+    (known,) = find_thing(odd, "lab/cup").known
+    assert known.entry == Value("mass", 2.0, unit="blorbs")
+    change_thing(odd, CUP, lambda thing: thing.without("mass"))
+    assert (find_thing(odd, "lab/cup").ref.maker, find_thing(odd, "lab/cup").known) == ("Acme", ())
+    with pytest.raises(StoreError, match="unknown unit 'blorbs'"):
+        undo(odd, CUP)
 
 
 def test_what_cannot_be_compared_is_left_out_and_named(odd: Store, client: TestClient) -> None:

@@ -119,7 +119,7 @@ def rewrite(
     detail += ({"field": list(field), "before": value, "after": value} for field, value in (again or {}).items())
     detail += ({"field": list(field)} for field in gone)
     if detail:
-        admit_known(connection, after)
+        admit_known(connection, before, after)
         write(connection, row, after)
         note(connection, row, CHANGED, detail, who)
 
@@ -203,10 +203,10 @@ def _check(before: Thing, after: Thing, *, is_new: bool) -> None:
         check_name(f"{where}.source", one.source)
 
 
-def admit_known(connection: Connection, thing: Thing) -> None:
-    """Refuse units of another dimension than those of the store's properties."""
+def admit_known(connection: Connection, before: Thing, after: Thing) -> None:
+    """Refuse units of another dimension than those of the store's properties, of what was not known before."""
     lookup = Lookup(connection, Registry())
-    for one in thing.known:
+    for one in (one for one in after.known if one not in before.known):
         unit = getattr(one.entry, "unit", None)
         if unit is not None and one.entry.property is not None:
             lookup.admit_unit(f"known {one.entry.property}.unit", one.entry.property, unit)

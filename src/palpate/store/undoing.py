@@ -81,7 +81,7 @@ def _restore(connection: Connection, row: int, thing: ThingRef, detail: list[dic
     restored = with_fields(now, fields)
     try:
         # the unit of a property may have been taken back since
-        admit_known(connection, restored)
+        admit_known(connection, now, restored)
     except StoreError as error:
         raise StoreError(f"thing: {thing.dataset} {thing.id}: {error}: tell it anew") from None
     write(connection, row, restored)
