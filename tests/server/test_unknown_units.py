@@ -1,6 +1,6 @@
 """Units that this program does not know, as a newer one may have kept them: no page breaks, and none counts wrongly."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 
@@ -17,6 +17,8 @@ from palpate.store.summary import objects_by_properties
 from palpate.store.things import find_thing
 from palpate.store.undoing import undo
 from palpate.store.verifying import verify
+from tests.server.conftest import Headers
+from tests.server.packages import package
 
 T0 = datetime(2024, 5, 1, tzinfo=UTC)
 CUP = ThingRef("lab", "cup")
@@ -96,6 +98,17 @@ def test_what_is_sent_in_another_unit_is_refused(odd: Store) -> None:
     """Nobody can tell whether grams are of the dimension of blorbs."""
     with pytest.raises(StoreError, match=r"entries\[0\].unit: unit 'g' is mass; expected the dimension that fluff has"):
         odd.put(measured(20, Value("fluff", 1.0, unit="g")))
+
+
+def test_uploads_of_others_go_on(odd: Store, client: TestClient, token: Callable[..., Headers]) -> None:
+    """What is sent of other properties is understood, and what is of such a one is told like by the store."""
+    ann = {**token("ann"), "Origin": "http://testserver", "Accept": "text/html"}
+    sent = [("good", Value("mass", 5.0, unit="g")), ("bad", Value("fluff", 5.0, unit="g"))]
+    files = [("files", (f"{name}.zip", package(measured(30, one)))) for name, one in sent]
+    found = client.post("/upload", files=files, headers=ann)
+    assert found.status_code == 200
+    assert "1 new recording" in found.text
+    assert "expected the dimension that fluff has" in found.text
 
 
 def test_the_store_tells_what_is_known_in_such_a_unit(odd: Store) -> None:

@@ -22,7 +22,7 @@ from palpate.store.registry import now_us
 from palpate.store.store import Store
 from palpate.store.texts import check_name
 
-__all__ = ["PropertyUnit", "admit_units", "change_unit", "deciding_units", "list_units", "units_of"]
+__all__ = ["PropertyUnit", "admit_units", "change_unit", "deciding_units", "list_units", "take_units", "units_of"]
 
 UNIT = "unit"
 """What the audit calls the change of a property's unit."""
@@ -77,6 +77,11 @@ def admit_units(store: Store, units: Mapping[str, str]) -> None:
     for name, unit in units.items():
         check_name("units", name)
         check_unit(f"units[{name!r}]", unit, None)
+    take_units(store, units)
+
+
+def take_units(store: Store, units: Mapping[str, str]) -> None:
+    """As `admit_units`, from another store: its units need not be known here."""
     rows = [{"name": name, "unit": unit} for name, unit in units.items()]
     if rows:
         with changing(store.engine) as connection:

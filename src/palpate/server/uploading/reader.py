@@ -34,7 +34,7 @@ from palpate.store.importing.reading_columns import read_columns
 from palpate.store.opening import open_store
 from palpate.store.records import Recording
 from palpate.store.store import Store
-from palpate.store.units import admit_units
+from palpate.store.units import take_units
 
 __all__ = ["main"]
 
@@ -105,7 +105,7 @@ def _read_all(preview: Preview, task: dict[str, Any], who: Account) -> Iterator[
     yield from refused
     formats = [Theirs(one, who) for one in all_formats(columns, topics)]
     with open_store(preview.place, preview.blobs, durable=False) as store:
-        admit_units(store, task["units"])
+        take_units(store, task["units"])
         for count, outcome in enumerate(import_paths(store, [preview.sent], formats)):
             if count >= MOST_ITEMS:
                 yield Outcome("more", Fate.REFUSED, f"more than {MOST_ITEMS} items, expected fewer in one upload")
