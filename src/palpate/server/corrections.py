@@ -78,7 +78,7 @@ class Corrections:
         others = None if shows_name else who_learns_name(self.store, self.who.viewer, self.thing.ref, into.ref)
         if others is not None:
             learn = f"{others} would learn by this that there is {dataset}/{name}, which they do not see"
-            raise problem_of_store(StoreError(f"shows_name: {learn}; expected that it is wanted"))
+            raise problem_of_store(StoreError(f"shows_name: {learn}; expected yes, where that is wanted"))
         merge_things(self.store, self.thing.ref, into.ref, who=self.who.name)
         return into.ref
 
