@@ -26,7 +26,7 @@ from palpate.server.plots.squeezes import Held, held_by, squeeze_of, squeeze_plo
 from palpate.server.plots.svg import svg
 from palpate.store.final_beliefs import FinalBelief
 from palpate.store.records import Channel, Device, Series, Setup
-from palpate.store.visible_results import Given, Result
+from palpate.store.visible_results import Result
 from tests.store.made_up import START
 
 numbers = st.floats(-1e12, 1e12)
@@ -334,7 +334,7 @@ def test_points_are_where_their_values_are() -> None:
             low=None,
             high=None,
             unit="g",
-            given=Given(value, None, None, "g"),
+            given=None,
             label=None,
             measured_by="arm",
         )

@@ -6,8 +6,10 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 from fastapi.testclient import TestClient
+from sqlalchemy import update
 
 from palpate.network import units
+from palpate.store import schema
 from palpate.store.describing import change_thing
 from palpate.store.entries import Bound, Interval, Value
 from palpate.store.errors import StoreError
@@ -75,17 +77,24 @@ def odd(store: Store, monkeypatch: pytest.MonkeyPatch) -> Store:
         store.put(measured(5, Value("mass", 21.0, unit="g"), Value("frob", 1.0, unit="g")))
         store.put(measured(6, Value("mass", 23.0, unit="g")))
         store.put(measured(7, Value("mass", 4.0, unit="blorbs")))
+        store.put(measured(11, Value("grit", 6.0, unit="g")))
+        store.put(measured(12, Value("grit", 5.0, unit="blorbs")))
         store.put(measured(8, Bound("mass", above=8.0, unit="blorbs"), gripper="claw"))
         store.put(measured(9, Value("fluff", 2.0, unit="blorbs"), truth=True))
         store.put(measured(10, Value("frob", 5.0, unit="g"), truth=True))
         change_thing(store, CUP, lambda thing: thing.knowing(Value("mass", 2.0, unit="blorbs"), "a scale"))
+    entries = schema.entries.c
+    grit = (entries.property == "grit", entries.unit == "blorbs")
+    with store.engine.begin() as connection:
+        # as where it was found to be of a wrong dimension
+        connection.execute(update(schema.entries).where(*grit).values(value_si=None, sd_si=None))
     return store
 
 
 def test_no_page_breaks_at_a_unit_that_is_not_known(odd: Store, client: TestClient) -> None:
     """Each answers, also about the properties that have it."""
     ids = {one["id"] for one in client.get("/api/v1/recordings").json()["items"]}
-    assert len(ids) == 9
+    assert len(ids) == 11
     pages = [*PAGES, *(f"/recordings/{id}" for id in ids), *(f"/api/v1/recordings/{id}/package" for id in ids)]
     found = {page: client.get(page, headers={"Accept": "text/html,*/*"}).status_code for page in pages}
     # there is no plot of what cannot be compared
@@ -113,19 +122,21 @@ def test_uploads_of_others_go_on(odd: Store, client: TestClient, token: Callable
 
 def test_the_store_tells_what_is_known_in_such_a_unit(odd: Store) -> None:
     """Tables of the store have the others, and verifying tells of what is known in no unit."""
-    assert {(one.property, one.count) for one in objects_by_properties(odd)} == {("mass", 3), ("frob", 2)}
+    assert {(one.property, one.count) for one in objects_by_properties(odd)} == {("mass", 3), ("frob", 2), ("grit", 1)}
     faults = [fault.what for fault in verify(odd)]
     assert faults == ["what is known of its mass is in 'blorbs', which is no unit here"]
 
 
 def test_values_are_shown_in_their_own_unit(odd: Store, client: TestClient) -> None:
-    """What shares the unit is a plot; what is in it beside others is told as it was given."""
+    """What shares the unit is a plot; what is in it beside others by what it was in SI units, or as it was given."""
     page = client.get("/objects/lab/cup").text
     assert "fluff [blorbs]: 3 values by 1 device" in page
     assert "above 9 blorbs" in page
-    assert "mass [g]: 2 values by 1 device" in page
-    assert ">4 blorbs</a>" in page
+    assert "mass [g]: 3 values by 1 device" in page
+    assert "28 g, 2024-05-01" in page
     assert ">above 8 blorbs</a>" in page
+    assert "grit [g]: 1 value by 1 device" in page
+    assert ">5 blorbs</a>" in page
     assert "2 blorbs" in page
 
 
@@ -143,13 +154,18 @@ def test_what_is_known_in_such_a_unit_is_in_nobodys_way(odd: Store) -> None:
 def test_what_cannot_be_compared_is_left_out_and_named(odd: Store, client: TestClient) -> None:
     """The comparison and the benchmark count what they can, and say which unit they cannot."""
     told = "in a unit that is not known here"
-    fluff, mass, frob = (client.get(f"/compare?property={name}").text for name in ("fluff", "mass", "frob"))
+    names = ("fluff", "mass", "grit", "frob")
+    fluff, mass, grit, frob = (client.get(f"/compare?property={name}").text for name in names)
     assert told in fluff
     assert "blorbs" in fluff.partition(told)[2]
     assert "blorbs" in mass.partition(told)[2]
-    assert told not in frob
-    rows = client.get("/compare/table.csv?property=mass").text.splitlines()
-    assert [row.split(",")[3:7] for row in rows[1:]] == [["g", "2", "0", "22.0"]]
+    # a value without one in SI units is never compared, as where nobody has stated its unit
+    assert told not in grit + frob
+    for name, count, mean in (("mass", 3, 24.0), ("grit", 1, 6.0)):
+        row, *more = client.get(f"/compare/table.csv?property={name}").text.splitlines()[1:]
+        assert not more
+        assert row.split(",")[3:6] == ["g", str(count), "0"]
+        assert float(row.split(",")[6]) == pytest.approx(mean)
     assert client.get("/compare/table.csv?property=fluff").text.count("\n") == 1
     benchmark = client.get("/benchmark").text
     assert "fluff [blorbs]" in benchmark.partition(told)[2]

@@ -44,11 +44,12 @@ class Result:
     Attributes
     ----------
     value, sd, unit
-        In the unit that the property was first given in; None where it is no number with a unit of that dimension.
+        In the unit that the property was first given in; None where it is no number with a unit of that dimension, or
+        with one that is not known here and was not when the number was kept.
     low, high
         Ends of an interval or a bound, likewise.
     given
-        The number as it was given, which may be in a unit that is not known here.
+        The number as it was given, where it cannot be told in that unit.
     label
         The most probable label.
     measured_by
@@ -68,7 +69,7 @@ class Result:
     low: float | None
     high: float | None
     unit: str | None
-    given: Given
+    given: Given | None
     label: str | None
     measured_by: str
 
@@ -105,9 +106,10 @@ class Grouped:
 
 
 def groups_of(store: Store, viewer: Viewer, properties: Collection[str]) -> Mapping[str, Grouped]:
-    """Of each of these properties its values, by object, setup, unit, and whether they are known to be true.
+    """Of each of these properties its values, by object, setup, and whether they are known to be true.
 
-    What was measured of objects merged into another one counts as that one's.
+    What was measured of objects merged into another one counts as that one's. A value counts by what it was found to be
+    in SI units when it was kept, also where its own unit is not known here.
     """
     setups, things = schema.setups, schema.things
     names = list(properties)
@@ -127,10 +129,9 @@ def groups_of(store: Store, viewer: Viewer, properties: Collection[str]) -> Mapp
 
 
 def _add(row: Any, to: Grouped) -> None:
-    factors = {unit: factor_of(unit) for unit in (row.unit, to.unit)}
-    told = factors[to.unit]
-    if told is None or factors[row.unit] is None:
-        to.unknown_units |= {unit for unit, factor in factors.items() if factor is None}
+    told = factor_of(to.unit)
+    if told is None:
+        to.unknown_units.add(to.unit)
     else:
         to.groups.append(_group(row, told))
 
@@ -148,18 +149,17 @@ def _group(row: Any, scale: float) -> Group:
 
 
 def _groups(viewer: Viewer, properties: Collection[str]) -> Select[*tuple[Any, ...]]:
-    """Property, head, setup, truth, unit, count, mean and squares; the mean first, so that squares lose no digits."""
+    """Property, head, setup, truth, count, mean and squares; the mean first, so that no digits are lost in squares."""
     entries, recordings, things = schema.entries.c, schema.recordings, schema.things
     head = func.coalesce(things.c.merged_into, things.c.id)
     values = (
-        select(entries.property, head.label("head"), entries.setup_id, recordings.c.ground_truth)
-        .add_columns(entries.unit, entries.value_si)
+        select(entries.property, head.label("head"), entries.setup_id, recordings.c.ground_truth, entries.value_si)
         .join(recordings, recordings.c.id == entries.recording_id)
         .join(things, things.c.id == entries.thing_id)
         .where(entries.property.in_(properties), is_measurable(entries.value_si), viewer.of(recordings))
         .cte("measured")
     )
-    keys = (values.c.property, values.c.head, values.c.setup_id, values.c.ground_truth, values.c.unit)
+    keys = (values.c.property, values.c.head, values.c.setup_id, values.c.ground_truth)
     means = select(*keys, func.count().label("number"), func.avg(values.c.value_si).label("mean")).group_by(*keys)
     found = means.cte("means")
     off = values.c.value_si - found.c.mean
@@ -176,7 +176,7 @@ def is_measurable(value_si: ColumnElement[Any]) -> ColumnElement[bool]:
 def _results(connection: Connection, viewer: Viewer, things: Mapping[int, tuple[str, str]]) -> Iterator[Result]:
     """Results of objects by their rows, each with the dataset and the name under which it counts."""
     entries, recordings = schema.entries.c, schema.recordings
-    numbers = (entries.value, entries.sd, entries.low, entries.high)
+    numbers = (entries.value, entries.sd, entries.low, entries.high, entries.value_si, entries.sd_si)
     asked = (
         select(recordings.c.uuid, recordings.c.recorded_us, recordings.c.action, recordings.c.ground_truth)
         .add_columns(recordings.c.thing_id, recordings.c.setup_id)
@@ -194,8 +194,11 @@ def _results(connection: Connection, viewer: Viewer, things: Mapping[int, tuple[
         if setup not in named:
             continue
         unit_told = units.get(property or "")
-        by = scale_of(unit, unit_told)
-        value, sd, low, high = (_told(one, by) for one in values)
+        by, told = scale_of(unit, unit_told), values[:4]
+        if by is None and values[4] is not None:
+            # the unit was known when the number was kept
+            by, told = _from_si(unit_told), [*values[4:], None, None]
+        value, sd, low, high = (_told(one, by) for one in told)
         yield Result(
             recording=UUID(bytes=uuid),
             recorded_at=moment_at(at_us),
@@ -210,7 +213,7 @@ def _results(connection: Connection, viewer: Viewer, things: Mapping[int, tuple[
             low=low,
             high=high,
             unit=None if by is None else unit_told,
-            given=Given(values[0], values[2], values[3], unit),
+            given=None if by is not None else Given(values[0], values[2], values[3], unit),
             label=label,
             measured_by=named[setup],
         )
@@ -225,6 +228,11 @@ def _told(value: float | None, by: float | None) -> float | None:
 def _scale(unit: str | None, told: str | None) -> float | None:
     # what is known to be wrong is kept in the unit in which it was given
     return None if unit is None or told is None else scale(unit, told)
+
+
+def _from_si(told: str | None) -> float | None:
+    factor = None if told is None else factor_of(told)
+    return None if factor is None else 1 / factor
 
 
 def _heads(connection: Connection, thing: ThingRef) -> dict[int, tuple[str, str]]:

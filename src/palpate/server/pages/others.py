@@ -32,7 +32,7 @@ def alike(results: Iterable[Result]) -> list[Alike]:
 
 def in_words(one: Result) -> str:
     """A result in the unit of its property, or as it was given; its kind, where it has no number."""
-    return _number(one) or _number(one.given) or one.kind
+    return _number(one if one.given is None else one.given) or one.kind
 
 
 def _number(one: Result | Given) -> str | None:
