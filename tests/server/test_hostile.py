@@ -7,7 +7,7 @@ import struct
 import time
 from collections.abc import Callable
 from statistics import median
-from uuid import uuid4
+from uuid import UUID, uuid4
 from zipfile import ZipFile
 from zlib import crc32
 
@@ -26,6 +26,7 @@ from palpate.server.settings import Settings
 from palpate.store.listing import list_recordings
 from palpate.store.records import FileItem, Recording, ThingRef
 from palpate.store.store import Store
+from palpate.store.unpadded import from_unpadded
 from tests.server.conftest import SMALL
 from tests.server.packages import package, repacked
 from tests.server.test_sessions import ORIGIN, PASSWORD, log_in
@@ -346,9 +347,10 @@ def test_cursors_that_are_tampered_with(client: TestClient, store: Store, token:
     cursor = client.get(f"{API}/recordings?limit=1", headers=ann).json()["next"]
     seen = client.get(f"{API}/recordings", params={"cursor": cursor, "limit": 50}).json()["items"]
     assert {one["visibility"] for one in seen} <= {"public"}
-    for resource, status in (("objects", 422), ("episodes", 200)):
-        found = client.get(f"{API}/{resource}", params={"cursor": cursor})
-        assert (found.status_code, found.json().get("items", [])) == (status, [])
+    for resource in ("objects", "episodes", "recordings?sort=action", "recordings?order=descending"):
+        address = f"{API}/{resource}{'&' if '?' in resource else '?'}cursor={cursor}"
+        found = client.get(address)
+        assert found.status_code == (200 if resource.endswith("descending") else 422), found.text
     rng = np.random.default_rng(3)
     for _ in range(60):
         letters = list(cursor)
@@ -356,6 +358,25 @@ def test_cursors_that_are_tampered_with(client: TestClient, store: Store, token:
         found = client.get(f"{API}/recordings", params={"cursor": "".join(letters)})
         assert found.status_code in (200, 422)
         assert "private" not in found.text
+
+
+def test_cursors_do_not_count_what_is_hidden(client: TestClient, store: Store, token: Token) -> None:
+    """They name the last row by its id, and are the same whatever others keep meanwhile; row numbers are none."""
+    ann, admin = token("ann"), token("boss", Role.ADMIN)
+    store.put_many([squeeze(number, visibility="public") for number in range(4)])
+    lists = [f"{API}/recordings?limit=2&sort={sort}" for sort in ("recorded", "uploaded", "action")]
+    before = [client.get(one).json() for one in lists]
+    store.put_many([squeeze(number, owner="ann") for number in range(20, 27)])
+    assert [client.get(one).json() for one in lists] == before
+    for address, page in zip(lists, before, strict=True):
+        assert json.loads(from_unpadded(page["next"]))[2:] == [UUID(page["items"][-1]["id"]).hex]
+        rest = client.get(f"{address}&cursor={page['next']}").json()["items"]
+        assert len({item["id"] for item in (*page["items"], *rest)}) == 4
+    for reader, address in ((admin, lists[1]), (ann, lists[0])):
+        foreign = client.get(address, headers=reader).json()["next"]
+        assert client.get(f"{address}&cursor={foreign}", headers=reader).status_code == 200
+        refused = client.get(f"{address}&cursor={foreign}")
+        assert (refused.status_code, refused.json()["detail"].partition(":")[0]) == (422, "cursor")
 
 
 def test_wildcards_are_letters(client: TestClient, store: Store) -> None:

@@ -18,6 +18,7 @@ from palpate.store.merging import merge_things
 from palpate.store.records import ThingRef
 from palpate.store.store import Store
 from palpate.store.verifying import repair, verify
+from palpate.store.viewing import Viewer
 from tests.store.made_up import attributes, made_episode, squeeze
 
 RECORDINGS = [squeeze(number) for number in range(3)]
@@ -170,6 +171,20 @@ def test_lists_go_by_time_and_object(filled: Store) -> None:
     assert (row.network, row.objective, row.actions, row.stop) == ("household", "mass", 0, None)
     with pytest.raises(StoreError, match="cursor: 'mug'"):
         list_episodes(filled, cursor="mug")
+
+
+def test_pages_of_who_does_not_see_all(filled: Store) -> None:
+    """They lead on by the id of an episode that is seen; once it is not, the list is to be begun again."""
+    owner, made = Viewer(name="ann"), [made_episode(number=number, owner="ann") for number in range(3)]
+    for episode in made:
+        put_episode(filled, episode)
+    first = list_episodes(filled, limit=2, viewer=owner)
+    second = list_episodes(filled, limit=2, cursor=first.cursor, viewer=owner)
+    assert [row.id for row in (*first.rows, *second.rows)] == [episode.id for episode in reversed(made)]
+    with pytest.raises(StoreError, match="not there to see, begin the list again"):
+        list_episodes(filled, cursor=first.cursor, viewer=Viewer())
+    with pytest.raises(StoreError, match="expected the cursor of its last page"):
+        list_episodes(filled, cursor=list_episodes(filled, limit=2).cursor, viewer=owner)
 
 
 def damaged(filled: Store, sql: str) -> StoredEpisode:

@@ -10,7 +10,6 @@ from sqlalchemy import ColumnElement, Select, func, or_, select, union
 
 from palpate.errors import choices
 from palpate.store import schema
-from palpate.store.cursors import cursor_text, place_of
 from palpate.store.embargo import is_seen_as
 from palpate.store.errors import StoreError
 from palpate.store.json_columns import HoldsText
@@ -18,7 +17,7 @@ from palpate.store.registry import now_us
 from palpate.store.rows import microseconds
 from palpate.store.search_words import search_words
 
-__all__ = ["Cursor", "Filter", "Labels", "Sort", "each_label"]
+__all__ = ["Filter", "Labels", "Sort", "each_label"]
 
 Labels = Mapping[str, str | Sequence[str]]
 """A label for each property, or several that all hold."""
@@ -135,34 +134,6 @@ class Sort:
         """The column of `schema.recordings`."""
         # rows are numbered as they come
         return {"recorded": "recorded_us", "uploaded": "id"}.get(self.by, self.by)
-
-
-@dataclass(frozen=True)
-class Cursor:
-    """Where a page ends: the place of its last row in the sorting, and its row number, which makes it unique."""
-
-    sort: Sort
-    value: int | str
-    row: int
-
-    def __str__(self) -> str:
-        return cursor_text([self.sort.by, self.sort.descending, self.value, self.row])
-
-    @classmethod
-    def parse(cls, text: str, sort: Sort) -> Cursor:
-        """Read what `str` gave for the same sorting.
-
-        Raises
-        ------
-        StoreError
-            If it is something else.
-        """
-        place = place_of(text) or []
-        kinds = [str if sort.by == "action" else int, int]
-        if place[:2] != [sort.by, sort.descending] or [type(part) for part in place[2:]] != kinds:
-            told = "is not of a list sorted like this, expected the cursor of its last page"
-            raise StoreError(f"cursor: {text!r} {told}")
-        return cls(sort, *place[2:])
 
 
 def things_named(

@@ -18,14 +18,15 @@ from palpate.store.embargo import embargo_of
 from palpate.store.entries import Entry
 from palpate.store.errors import DamagedError, IncompleteError
 from palpate.store.fetching import read_rows
-from palpate.store.filters import Cursor, Filter, Sort
+from palpate.store.filters import Filter, Sort
 from palpate.store.legible import legible, reading
 from palpate.store.matching import in_order, matching
+from palpate.store.page_ends import Lists, PageEnd
 from palpate.store.rows import moment_at
 from palpate.store.seals import Named, sealed_document
 from palpate.store.store import Store
 from palpate.store.upload_order import settled
-from palpate.store.viewing import VisibleFilter
+from palpate.store.viewing import Viewer, VisibleFilter
 from palpate.store.visible_words import seen_names
 
 if TYPE_CHECKING:
@@ -105,22 +106,26 @@ def list_recordings(
         If a recording is not what was written.
     """
     sort = sort or Sort()
-    after = None if cursor is None else Cursor.parse(cursor, sort)
-    matched = matching(wanted or Filter(), sort, after, limit)
+    lists = Lists(schema.recordings, sort, sort.column, _viewer_of(wanted))
     with reading(store.engine) as connection:
+        after = None if cursor is None else lists.end_at(connection, cursor)
+        matched = matching(wanted or Filter(), sort, after, limit)
         if sort == AS_THEY_COME and (last := settled(connection)) is not None:
             matched = matched.where(schema.recordings.c.id <= last)
-        keys, rows = _keys_and_rows(connection, matched, sort)
+        ends, rows = _ends_and_rows(connection, matched, sort)
         names = _names(connection, rows, wanted)
         listed = tuple(_whole(rows, names, damaged))
-    end = Cursor(sort, keys[-1][1], keys[-1][0]) if len(keys) == limit and keys else None
-    return Page(listed, None if end is None else str(end))
+    return Page(listed, lists.cursor_after(ends[-1], rows[-1]) if len(ends) == limit and ends else None)
 
 
-def _keys_and_rows(
+def _viewer_of(wanted: Filter | None) -> Viewer:
+    return wanted.viewer if isinstance(wanted, VisibleFilter) else Viewer(everything=True)
+
+
+def _ends_and_rows(
     connection: Connection, matched: Select[*tuple[Any, ...]], sort: Sort
-) -> tuple[list[tuple[int, Any]], Sequence[Mapping[Any, Any] | DamagedError]]:
-    """Row number and sorted value of each recording that matched, and its row, or what is wrong with a cell of it."""
+) -> tuple[list[PageEnd], Sequence[Mapping[Any, Any] | DamagedError]]:
+    """Where a page would end that ends with each recording that matched, and its row, or what is wrong with it."""
     asked = in_order(_rows_asked(matched), schema.recordings.c[sort.column], schema.recordings.c.id, sort, None)
     try:
         rows = connection.execute(asked).mappings().all()
@@ -128,9 +133,9 @@ def _keys_and_rows(
         raise
     except DamagedError:
         # one of them: look at each alone, to name it
-        keys = [(row[0], row[1]) for row in connection.execute(matched)]
-        return keys, list(read_rows(connection, _rows_asked(None), [row for row, _ in keys]))
-    return [(row["id"], row[sort.column]) for row in rows], rows
+        ends = [PageEnd(value=row[1], row=row[0]) for row in connection.execute(matched)]
+        return ends, list(read_rows(connection, _rows_asked(None), [end.row for end in ends]))
+    return [PageEnd(row[sort.column], row["id"]) for row in rows], rows
 
 
 def _rows_asked(matched: Select[*tuple[Any, ...]] | None) -> Select[*tuple[Any, ...]]:

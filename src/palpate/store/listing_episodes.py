@@ -14,8 +14,9 @@ from sqlalchemy import ColumnElement, select, tuple_
 
 from palpate.store import schema
 from palpate.store.embargo import embargo_of
-from palpate.store.filters import Cursor, Sort, moment_us, things_named
+from palpate.store.filters import Sort, moment_us, things_named
 from palpate.store.legible import reading
+from palpate.store.page_ends import Lists, PageEnd
 from palpate.store.rows import moment_at
 from palpate.store.sayings import knows_name
 from palpate.store.store import Store
@@ -88,7 +89,7 @@ def list_episodes(
         If the cursor is not of a list of episodes, or a time has no time zone.
     """
     episodes, things = schema.episodes, schema.things
-    after = None if cursor is None else Cursor.parse(cursor, BY_TIME)
+    lists = Lists(episodes, BY_TIME, "started_us", viewer or Viewer(everything=True))
     asked = (
         select(episodes, things.c.dataset, things.c.name, things.c.common_name)
         .join(things, things.c.id == episodes.c.thing_id)
@@ -98,15 +99,17 @@ def list_episodes(
     )
     if viewer is not None:
         asked = asked.where(viewer.of(episodes))
-    if after is not None:
-        asked = asked.where(tuple_(episodes.c.started_us, episodes.c.id) < tuple_(after.value, after.row))
     with reading(store.engine) as connection:
+        if cursor is not None:
+            after = lists.end_at(connection, cursor)
+            asked = asked.where(tuple_(episodes.c.started_us, episodes.c.id) < tuple_(after.value, after.row))
         rows = connection.execute(asked).mappings().all()
         names = {row["thing_id"]: row["common_name"] for row in rows}
         seen = names if viewer is None else seen_names(connection, viewer, names)
         listed = tuple(_listed(row, seen[row["thing_id"]]) for row in rows)
-    end = str(Cursor(BY_TIME, rows[-1]["started_us"], rows[-1]["id"])) if rows and len(rows) == limit else None
-    return EpisodePage(listed, end)
+    if not rows or len(rows) < limit:
+        return EpisodePage(listed, None)
+    return EpisodePage(listed, lists.cursor_after(PageEnd(rows[-1]["started_us"], rows[-1]["id"]), rows[-1]))
 
 
 def _conditions(

@@ -8,8 +8,9 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, Select, and_, exists, select, tuple_
 
 from palpate.store import schema
-from palpate.store.filters import Cursor, Filter, Sort
+from palpate.store.filters import Filter, Sort
 from palpate.store.legible import reading
+from palpate.store.page_ends import PageEnd
 from palpate.store.store import Store
 
 __all__ = ["ids_matching", "in_order", "matching"]
@@ -26,7 +27,7 @@ def ids_matching(store: Store, wanted: Filter, sort: Sort | None = None) -> list
         return [UUID(bytes=uuid) for uuid in rows]
 
 
-def matching(wanted: Filter, sort: Sort, after: Cursor | None, limit: int | None) -> Select[*tuple[Any, ...]]:
+def matching(wanted: Filter, sort: Sort, after: PageEnd | None, limit: int | None) -> Select[*tuple[Any, ...]]:
     """Row numbers of the recordings that match, in order.
 
     Where entries are asked for and the sorting allows, an index over entries gives the rows in order, so that neither
@@ -44,7 +45,7 @@ def matching(wanted: Filter, sort: Sort, after: Cursor | None, limit: int | None
 
 
 def _from_entries(
-    wanted: Filter, entries: list[tuple[str, str | None]], sort: Sort, after: Cursor | None
+    wanted: Filter, entries: list[tuple[str, str | None]], sort: Sort, after: PageEnd | None
 ) -> Select[*tuple[Any, ...]]:
     columns = schema.entries.c
     (name, label), *others = entries
@@ -66,9 +67,9 @@ def in_order(
     value: ColumnElement[Any],
     row: ColumnElement[int],
     sort: Sort,
-    after: Cursor | None,
+    after: PageEnd | None,
 ) -> Select[*tuple[Any, ...]]:
-    """What was asked in the order of a sorting, which a column and the row number make unique, after a cursor."""
+    """What was asked in the order of a sorting, which a column and the row number make unique, after a page."""
     if after is not None:
         place, end = tuple_(value, row), tuple_(after.value, after.row)
         asked = asked.where(place < end if sort.descending else place > end)
