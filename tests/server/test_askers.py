@@ -215,3 +215,16 @@ def test_who_reads_gets_all_while_others_come(monkeypatch: pytest.MonkeyPatch) -
         is_whole = found.endswith(LARGE)
         assert is_whole
         assert time.monotonic() - began > 0.5
+
+
+def test_who_reads_steadily_keeps_nobody_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor while the system has megabytes of the answer, which it would take at once and then none for seconds."""
+    with running(monkeypatch, partial(Places, requests=Room(1, 1))) as port, ExitStack() as stack:
+        monkeypatch.setattr(rooms, "LONGEST_WAIT_S", 1.0)
+        monkeypatch.setattr(rooms, "SHORTEST_WAIT_S", 1.0)
+        reading = asked(stack, port, SLOW["reading"], "127.0.0.2")
+        for _ in range(10):
+            for _ in range(10):
+                assert reading.recv(12 << 10)
+                time.sleep(0.025)
+            assert read_all(asked(stack, port, QUICK, "127.0.0.3")).startswith(b"HTTP/1.1 503")

@@ -13,7 +13,7 @@ from urllib.parse import urlsplit
 
 import pytest
 import uvicorn
-from starlette.types import Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from palpate.server.security.connections import MindedConnection
 from palpate.server.security.places import Places
@@ -61,10 +61,26 @@ async def slow(scope: Scope, receive: Receive, send: Send) -> None:
     await send({"type": "http.response.body", "body": b"ok"})
 
 
+LARGE_BYTES = 8 << 20
+
+
+async def large(scope: Scope, receive: Receive, send: Send) -> None:
+    """An application that answers with more than the system takes, in one part or in two."""
+    size = [(b"content-length", str(LARGE_BYTES).encode())]
+    await send({"type": "http.response.start", "status": 200, "headers": size})
+    body = bytes(LARGE_BYTES)
+    if not scope["query_string"]:
+        await send({"type": "http.response.body", "body": body[1:], "more_body": True})
+        body = body[:1]
+    await send({"type": "http.response.body", "body": body})
+
+
 @contextmanager
-def running(**options: Any) -> Iterator[int]:
+def running(app: ASGIApp = slow, **options: Any) -> Iterator[int]:
     port = free_port()
-    server = uvicorn.Server(uvicorn.Config(slow, port=port, http=Few, log_level="error", lifespan="off", **options))
+    server = uvicorn.Server(
+        uvicorn.Config(Places(app), port=port, http=Few, log_level="error", lifespan="off", **options)
+    )
     thread = threading.Thread(target=server.run)
     thread.start()
     while not server.started:
@@ -107,6 +123,40 @@ def test_the_longest_idle_connection_makes_room() -> None:
         assert [is_open(one) for one in (*own[1:], *others)] == [False, *[True] * 4]
         asking.settimeout(10)
         assert asking.recv(100).startswith(b"HTTP/1.1 200")
+
+
+def read_bytes(one: socket.socket) -> int:
+    """How much comes until the connection ends."""
+    one.settimeout(10)
+    found = 0
+    try:
+        while piece := one.recv(1 << 20):
+            found += len(piece)
+    except ConnectionError:
+        pass
+    return found
+
+
+def test_what_has_no_place_makes_room_though_it_is_under_way() -> None:
+    """As the state of the server, which needs none: those who do not read it would have all connections."""
+    with running(large) as port, ExitStack() as stack:
+        for one in (*opened(stack, port, ELSEWHERE, 3), *opened(stack, port, "127.0.0.3", 3)):
+            one.sendall(b"GET /health HTTP/1.1\r\nHost: a\r\n\r\n")
+        time.sleep(0.3)
+        (other,) = opened(stack, port, "127.0.0.4", 1)
+        other.sendall(b"GET / HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n")
+        assert read_bytes(other) > LARGE_BYTES
+
+
+def test_a_connection_that_closes_counts_until_it_is_read() -> None:
+    """Answers to the last request of a connection are there as long as others, if nobody reads them."""
+    with running(large) as port, ExitStack() as stack:
+        found = opened(stack, port, ELSEWHERE, 3)
+        for one in found:
+            one.sendall(b"GET /health?at-once HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n")
+            time.sleep(0.1)
+        opened(stack, port, ELSEWHERE, 1)
+        assert [read_bytes(one) > LARGE_BYTES for one in found] == [False, True, True]
 
 
 def test_connections_of_a_proxy_are_those_of_many() -> None:

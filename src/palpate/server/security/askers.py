@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Awaitable, Callable, Iterator
-from typing import TypeVar, cast
+from collections.abc import Awaitable, Callable, Iterator, Mapping
+from typing import Any, TypeVar, cast
 
 from starlette.requests import HTTPConnection
 from starlette.types import Message, Receive, Scope, Send
 
 from palpate.server.security.addresses import network_of
 
-__all__ = ["ENOUGH_BYTES_PER_S", "Asker", "asker_of"]
+__all__ = ["ENOUGH_BYTES_PER_S", "Asker", "asker_of", "has_place"]
 
 ENOUGH_BYTES_PER_S = 32 << 10
 """Who sends or takes so many keeps nobody waiting."""
@@ -39,10 +39,9 @@ class Asker:
     @property
     def waited_s(self) -> float:
         """How long it was waited for beyond what its bytes are worth; 0 where it is not waited for now, or for ever."""
+        # read once: other threads ask while it changes
         since_s = self._since_s
-        if since_s is None or self._end is None:
-            return 0.0
-        return self._owed_s + time.monotonic() - since_s
+        return 0.0 if since_s is None or self._end is None else time.monotonic() - since_s
 
     def end(self) -> None:
         """End the connection, whatever is under way."""
@@ -66,13 +65,13 @@ class Asker:
             self._moved(piece)
 
     async def _waiting(self, moving: Awaitable[T]) -> T:
-        began_s = self._since_s = time.monotonic()
+        began_s = self._since_s = time.monotonic() - self._owed_s
         try:
             return await moving
         finally:
             # an answer may begin while more of the request is waited for: then only it counts
             if self._since_s == began_s:
-                self._owed_s += time.monotonic() - began_s
+                self._owed_s = time.monotonic() - began_s
                 self._since_s = None
 
     def _moved(self, message: Message) -> None:
@@ -83,6 +82,11 @@ class Asker:
 def asker_of(connection: HTTPConnection) -> Asker:
     """Whose request it is, which `palpate.server.security.places` has let in."""
     return cast(Asker, connection.state.asker)
+
+
+def has_place(state: Mapping[str, Any]) -> bool:
+    """Whether a request of this state was let in, and is not answered yet."""
+    return "asker" in state
 
 
 def _pieces(message: Message) -> Iterator[Message]:

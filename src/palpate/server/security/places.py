@@ -46,15 +46,17 @@ class Places:
             return
         room = self.watchers if EVENTS.fullmatch(scope["path"]) else self.requests
         state = scope.setdefault("state", {})
-        asker = state["asker"] = Asker(scope, receive, send, state.get("end"))
+        asker = Asker(scope, receive, send, state.get("end"))
         if not room.enter(asker):
             fault = _fault(room, asker.network)
             await problem_response(fault, {"Retry-After": str(AGAIN_S)})(scope, receive, send)
             return
+        state["asker"] = asker
         try:
             await self.app(scope, asker.receive, asker.send)
         finally:
             room.leave(asker)
+            del state["asker"]
 
 
 def _fault(room: Room, network: str) -> Problem:
