@@ -48,18 +48,19 @@ def with_room(store: Store, most: int) -> tuple[FastAPI, Room]:
 
 
 def addresses(recording: Recording) -> list[str]:
-    """All that reads samples."""
+    """All that reads samples, and the log, which may be long."""
     series, page = f"{API}/{recording.id}/series/0", f"/recordings/{recording.id}"
     figures = [f"{page}/series/0/{name}" for name in ("channels/0/plot.json", "channels/0/spectrogram.png")]
     forms = [f"{series}?format={form}" for form in ("json", "csv", "arrow")]
-    return [*forms, f"{series}/channels/0/sound", f"{API}/{recording.id}/package", page, *figures]
+    wholes = [f"{API}/{recording.id}/{part}" for part in ("log", "package")]
+    return [*forms, f"{series}/channels/0/sound", *wholes, page, *figures]
 
 
 @ONE_KIND
 def test_what_reads_samples_takes_memory_and_gives_it_back(store: Store) -> None:
     """Each of them is told to ask again where others have it, and leaves nothing taken behind."""
     sound = Channel("sound", "sound pressure", "Pa", np.arange(4000, dtype=np.int16), rate_hz=8000.0)
-    recording = squeeze(visibility="public", series=(Series("microphone", (sound,)),))
+    recording = squeeze(visibility="public", series=(Series("microphone", (sound,)),), log="weighed\n")
     store.put(recording)
     app, room = with_room(store, 1 * MB)
     with TestClient(app) as client:

@@ -105,9 +105,11 @@ def get_package(store: StoreOf, who: Who, head: SeenRecording, memory: Memory) -
 
 
 @router.get("/{key}/log", response_class=PlainTextResponse)
-def get_log(store: StoreOf, head: SeenRecording) -> Response:
+def get_log(store: StoreOf, head: SeenRecording, memory: Memory) -> Response:
     """What the program printed."""
-    return PlainTextResponse(log_of(store, head), headers={"Content-Security-Policy": "default-src 'none'; sandbox"})
+    log = log_of(store, head).encode()
+    memory.take(len(log))
+    return PlainTextResponse(log, headers={"Content-Security-Policy": "default-src 'none'; sandbox"})
 
 
 @router.put(
