@@ -36,7 +36,8 @@ def test_the_table_of_limits_is_that_of_the_program() -> None:
         f"{connections.MOST_OPEN}; {connections.MOST_OPEN_OF_A_NETWORK}",
         f"{places.MOST_REQUESTS}; {places.MOST_REQUESTS_OF_A_NETWORK}",
         f"{places.MOST_WATCHERS}; {places.MOST_WATCHERS_OF_A_NETWORK}",
-        f"{rooms.LONGEST_WAIT_S:g} s; {rooms.SHORTEST_WAIT_S:g} s where its address has all it may",
+        f"{rooms.LONGEST_WAIT_S:g} s; {rooms.SHORTEST_WAIT_S:g} s where its address has all it may; "
+        f"{rooms.CROWDED_WAIT_S:g} s where it has ten times the places of the one that comes",
         size(running.LARGEST_HEADERS_BYTES),
         f"{2 * connections.HELD_S:g} s; {running.KEEP_ALIVE_S} s",
         f"{size(bodies.LEAST_BYTES_PER_S)}/s at least",
@@ -64,4 +65,5 @@ def test_the_table_of_limits_is_that_of_the_program() -> None:
     assert f"a body, after {bodies.GRACE_S:g} s" in beyond
     assert sizes.MOST_ENTRIES == sizes.MOST_NOTICES == sizes.MOST_ALIASES
     assert f"the first {IPV6_BITS} bits" in SECTION
-    assert f"Each {size(askers.ENOUGH_BYTES_PER_S)} that come or go take a second off" in SECTION
+    assert rooms.CROWD == 10
+    assert f"Each {size(askers.ENOUGH_BYTES_PER_S)} that come or go take a second off," in SECTION

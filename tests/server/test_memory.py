@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 from urllib.error import HTTPError
 from urllib.request import urlopen
+from uuid import UUID
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ from palpate.server.security.rooms import Room
 from palpate.server.state import MOST_HELD_BYTES_OF_A_NETWORK
 from palpate.store.errors import DamagedError
 from palpate.store.importing.package import unpack
+from palpate.store.keeping_episodes import put_episode
 from palpate.store.parts import Head, head_of, series_of
 from palpate.store.records import Channel, FileItem, Recording, Series
 from palpate.store.store import Store
@@ -33,7 +35,7 @@ from palpate.store.viewing import Viewer
 from tests.server.conftest import SMALL
 from tests.server.holders import Somebody
 from tests.server.serving import listening
-from tests.store.made_up import squeeze
+from tests.store.made_up import made_episode, squeeze
 
 API = "/api/v1/recordings"
 ONE_KIND = pytest.mark.parametrize("store", ["sqlite"], indirect=True)
@@ -47,13 +49,13 @@ def with_room(store: Store, most: int) -> tuple[FastAPI, Room]:
     return app, room
 
 
-def addresses(recording: Recording) -> list[str]:
-    """All that reads samples, and the log, which may be long."""
+def addresses(recording: Recording, episode: UUID) -> list[str]:
+    """All that reads samples, and logs and explorations, which may be long."""
     series, page = f"{API}/{recording.id}/series/0", f"/recordings/{recording.id}"
     figures = [f"{page}/series/0/{name}" for name in ("channels/0/plot.json", "channels/0/spectrogram.png")]
     forms = [f"{series}?format={form}" for form in ("json", "csv", "arrow")]
     wholes = [f"{API}/{recording.id}/{part}" for part in ("log", "package")]
-    return [*forms, f"{series}/channels/0/sound", *wholes, page, *figures]
+    return [*forms, f"{series}/channels/0/sound", *wholes, page, *figures, f"/api/v1/episodes/{episode}"]
 
 
 @ONE_KIND
@@ -62,9 +64,11 @@ def test_what_reads_samples_takes_memory_and_gives_it_back(store: Store) -> None
     sound = Channel("sound", "sound pressure", "Pa", np.arange(4000, dtype=np.int16), rate_hz=8000.0)
     recording = squeeze(visibility="public", series=(Series("microphone", (sound,)),), log="weighed\n")
     store.put(recording)
+    episode = made_episode(visibility="public")
+    put_episode(store, episode)
     app, room = with_room(store, 1 * MB)
     with TestClient(app) as client:
-        for address in addresses(recording):
+        for address in addresses(recording, episode.id):
             assert client.get(address).status_code == 200, address
             assert room.enter_alone(OTHERS, 1 * MB), address
             refused = client.get(address)

@@ -71,3 +71,18 @@ def test_the_room_is_one_s_own_where_all_others_are_slow() -> None:
     assert slow.is_ended
     assert not room.enter(large)
     assert not large.is_ended
+
+
+def test_a_crowd_makes_room_for_one() -> None:
+    """Who has no place, or few, need not wait until any of a network that has ten times as many is slow."""
+    room = Room(49, 40)
+    crowd = [Somebody("crowd", 0.2) for _ in range(40)]
+    others = [Somebody("others", 0.9) for _ in range(9)]
+    assert all(room.enter(one) for one in (*crowd, *others))
+    assert not room.enter(Somebody("crowd"))
+    assert not room.enter(Somebody("others"))
+    assert all(room.enter(Somebody("one")) for _ in range(3))
+    assert sum(one.is_ended for one in crowd) == 3
+    # thirty-seven are less than ten times four
+    assert not room.enter(Somebody("one"))
+    assert not any(one.is_ended for one in others)

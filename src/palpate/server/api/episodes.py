@@ -17,6 +17,7 @@ from palpate.server.api.models import Episode, EpisodeProgress, EpisodeRow, Page
 from palpate.server.api.parameters import StoreOf
 from palpate.server.api.queries import EpisodeQuery, Text
 from palpate.server.explorations import MOST_LINES, add, begin
+from palpate.server.memory import Memory
 from palpate.server.problems import Problem, problem
 from palpate.server.security.accounts import Account, Role
 from palpate.server.security.who import Who, needs
@@ -79,12 +80,14 @@ def list_(request: Request, store: StoreOf, who: Who, query: Annotated[EpisodeQu
 
 
 @router.get("/{id}", response_model=Episode)
-def get(store: StoreOf, who: Who, episode: SeenEpisode) -> Response:
+def get(store: StoreOf, who: Who, episode: SeenEpisode, memory: Memory) -> Response:
     """One exploration: the records of its log, with the recording of each action that may be seen."""
     digests = [step.recording for step in episode.steps if step.recording is not None]
     ids = recordings_of_digests(store, who.viewer, digests)
     steps = [{"record": step.record, "recording": _text(ids.get(step.recording or ""))} for step in episode.steps]
-    return answer({**_row(episode), "header": episode.header, "steps": steps})
+    found = answer({**_row(episode), "header": episode.header, "steps": steps})
+    memory.take(len(found.body))
+    return found
 
 
 @router.put("/{id}", response_model=EpisodeProgress, responses={201: {"model": EpisodeProgress}, **REFUSALS})

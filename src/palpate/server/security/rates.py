@@ -104,7 +104,9 @@ class RateLimit:
             wait_s, whose = self.of_account.wait_s(name), "account"
         if wait_s:
             found = Problem(title="Too Many Requests", status=429, detail=f"too many requests from this {whose}")
-            await problem_response(found, {"Retry-After": str(int(wait_s) + 1)})(scope, receive, send)
+            # what is asked behind it on this connection need not be answered one by one
+            told = {"Retry-After": str(int(wait_s) + 1), "Connection": "close"}
+            await problem_response(found, told)(scope, receive, send)
             return
         await self.app(scope, receive, send)
         # where there is one, the token was right: it is looked at before all else that tells who asks

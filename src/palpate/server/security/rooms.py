@@ -10,6 +10,8 @@ __all__ = ["LONGEST_WAIT_S", "SHORTEST_WAIT_S", "Holder", "Room"]
 
 LONGEST_WAIT_S, SHORTEST_WAIT_S = 5.0, 1.0
 """For which others wait at most, where a network has little of the room, and where it has all that it may."""
+CROWD, CROWDED_WAIT_S = 10, 0.1
+"""So much shorter where one network is there so many times as often as the one that comes."""
 
 
 class Holder(Protocol):
@@ -103,12 +105,14 @@ class Room:
     def _slow(self, holder: Holder, *, own_first: bool) -> list[Holder]:
         """Others that are slow, the slowest first."""
         waited_s = {one: one.waited_s for one in self._sizes if one is not holder}
-        slow = [one for one in waited_s if waited_s[one] > self._may_wait_s(one)]
+        count = Counter(one.network for one in waited_s)
+        few = CROWD * (count[holder.network] + 1)
+        slow = [one for one, s in waited_s.items() if s > self._may_wait_s(one.network, count[one.network] >= few)]
         return sorted(slow, key=lambda one: (own_first and one.network != holder.network, -waited_s[one]))
 
-    def _may_wait_s(self, one: Holder) -> float:
-        free = 1.0 - self._taken[one.network] / self.most_of_a_network
-        return max(SHORTEST_WAIT_S, LONGEST_WAIT_S * free)
+    def _may_wait_s(self, network: str, is_crowd: bool) -> float:
+        free = 1.0 - self._taken[network] / self.most_of_a_network
+        return CROWDED_WAIT_S if is_crowd else max(SHORTEST_WAIT_S, LONGEST_WAIT_S * free)
 
     def _drop(self, holder: Holder) -> None:
         self._taken[holder.network] -= self._sizes.pop(holder, 0)
