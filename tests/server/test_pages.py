@@ -126,6 +126,17 @@ def test_the_example_is_whole_and_marked(client: TestClient, store: Store, monke
     assert client.get("/").text.count("simulated") > 5
 
 
+def test_the_first_page_shows_simulated_objects_where_few_others_are(client: TestClient, store: Store) -> None:
+    """Five objects, those first that were not simulated."""
+    made, real = ([ThingRef(dataset, f"cup{place}") for place in range(5)] for dataset in ("simulated", "ycb"))
+    for number, thing in enumerate((*made, *real), 1):
+        store.put(squeeze(number, thing=thing, visibility="public"))
+        cards = client.get("/").text.partition('<ul class="cards">')[2].partition("</ul>")[0]
+        shown = dict.fromkeys(re.findall("/objects/((?:simulated|ycb)/cup[0-9])", cards))
+        first = [*real[: max(0, number - 5)], *made[:number]][:5]
+        assert list(shown) == [f"{one.dataset}/{one.id}" for one in first]
+
+
 def test_an_objects_page_has_each_value_against_the_truth(client: TestClient, store: Store) -> None:
     """A point for each value, by what measured it, with its SD; the truth as a line, in the same unit."""
     cup = ThingRef("lab", "cup")

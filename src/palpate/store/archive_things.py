@@ -19,7 +19,7 @@ from palpate.store.decoding import entry_from
 from palpate.store.errors import DamagedError
 from palpate.store.exporting.selection import Selection
 from palpate.store.records import ThingRef
-from palpate.store.things import Image, Known, Thing, things_where
+from palpate.store.things import Image, Known, Thing, things_by_row
 from palpate.store.visible_things import as_known
 
 if TYPE_CHECKING:
@@ -76,8 +76,11 @@ def write_things(selection: Selection, ids: Sequence[int], folder: Path, kept: B
     left: list[str] = []
     with ParquetWriter(folder / OBJECTS, objects_schema()) as writer:
         for part in chunks(ids):
-            things = list(things_where(selection.connection, schema.things.c.id.in_(part)))
-            things = as_known(selection.connection, selection.viewer, things)
+            things = as_known(
+                selection.connection,
+                selection.viewer,
+                things_by_row(selection.connection, schema.things.c.id.in_(part)),
+            )
             rows = [_row(_pictured(thing, selection, kept, left)) for thing in things]
             writer.write_table(pa.Table.from_pylist(rows, schema=objects_schema()))
     return left

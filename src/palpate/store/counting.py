@@ -10,8 +10,8 @@ from palpate.store import schema
 from palpate.store.legible import reading
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
-from palpate.store.visible_setups import seen_grippers
-from palpate.store.visible_things import count_things
+from palpate.store.visible_setups import gripper_names
+from palpate.store.visible_things import ThingFilter, listed_things
 
 __all__ = ["Counts", "counted"]
 
@@ -28,8 +28,10 @@ class Counts:
 
 def counted(store: Store, viewer: Viewer) -> Counts:
     """Count what somebody sees."""
-    tables = (schema.recordings, schema.episodes)
-    asked = [select(func.count()).select_from(table).where(viewer.of(table)) for table in tables]
+    recordings, episodes = (
+        select(table.c.id).where(viewer.of(table)) for table in (schema.recordings, schema.episodes)
+    )
+    seen = (recordings, listed_things(viewer, ThingFilter()), gripper_names(viewer), episodes)
+    numbers = (select(func.count()).select_from(one.subquery()).scalar_subquery() for one in seen)
     with reading(store.engine) as connection:
-        recordings, episodes = (connection.scalar(one) or 0 for one in asked)
-    return Counts(recordings, count_things(store, viewer), len(seen_grippers(store, viewer)), episodes)
+        return Counts(*connection.execute(select(*numbers)).one())

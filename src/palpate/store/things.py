@@ -167,16 +167,24 @@ def is_thing(thing: ThingRef) -> ColumnElement[bool]:
 
 def things_where(connection: Connection, condition: ColumnElement[bool]) -> Iterator[Thing]:
     """The objects for which a condition on `schema.things` holds, in the order in which they came."""
+    yield from things_by_row(connection, condition).values()
+
+
+def things_by_row(
+    connection: Connection, condition: ColumnElement[bool], *, are_counted: bool = True
+) -> dict[int, Thing]:
+    """As `things_where`, by their rows; recordings need not be counted where not all of them are seen."""
     things = schema.things
     asked = select(things.c.id).where(condition)
     rows = connection.execute(select(things).where(condition).order_by(things.c.id)).mappings().all()
+    if not rows:
+        return {}
     known, images = _parts(connection, schema.thing_properties, asked), _parts(connection, schema.thing_images, asked)
     merged = _grouped(connection.execute(select(things).where(things.c.merged_into.in_(asked))), "merged_into")
-    heads = _heads(connection, asked)
-    counts = _counts(connection, asked)
-    for row in rows:
-        key = row["id"]
-        yield Thing(
+    heads = _heads(connection, asked) if any(row["merged_into"] is not None for row in rows) else {}
+    counts = _counts(connection, asked) if are_counted else {}
+    return {
+        (key := row["id"]): Thing(
             thing_of(row),
             tuple(known_of(one, row) for one in known[key]),
             tuple(Image(one["name"], one["media_type"], one["blob"].hex()) for one in images[key]),
@@ -184,6 +192,8 @@ def things_where(connection: Connection, condition: ColumnElement[bool]) -> Iter
             tuple(thing_of(one) for one in merged[key]),
             counts.get(key, 0) + sum(counts.get(one["id"], 0) for one in merged[key]),
         )
+        for row in rows
+    }
 
 
 def known_of(row: Row, thing: Row) -> Known:

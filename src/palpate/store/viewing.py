@@ -12,7 +12,7 @@ later, and nobody hides it so.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
@@ -57,6 +57,14 @@ class Viewer:
         """The condition on `schema.recordings` or `schema.episodes` that a row is seen."""
         if self.everything:
             return true()
+        return self._of[table]
+
+    @cached_property
+    def _of(self) -> Mapping[Table, ColumnElement[bool]]:
+        # each stands many times in one question, and to put it together takes longer than to look up a row
+        return {table: self._seen(table) for table in (schema.recordings, schema.episodes)}
+
+    def _seen(self, table: Table) -> ColumnElement[bool]:
         shown = ("public", "lab") if self.lab else ("public",)
         open_ = [and_(table.c.visibility.in_(shown), is_over(table, self.now_us))]
         return or_(*open_, *self._own(table))
@@ -77,8 +85,10 @@ class Viewer:
 
     def things(self) -> ColumnElement[bool]:
         """The condition on `schema.things` that one is seen by itself, whatever is merged into it."""
-        if self.everything:
-            return true()
+        return true() if self.everything else self._things
+
+    @cached_property
+    def _things(self) -> ColumnElement[bool]:
         tables = (schema.recordings, schema.episodes)
         here = [exists().where(table.c.thing_id == schema.things.c.id, self.of(table)) for table in tables]
         any_ = [exists().where(table.c.thing_id == schema.things.c.id) for table in tables]
@@ -87,10 +97,13 @@ class Viewer:
 
     def hears(self, *, holding: bool = True) -> ColumnElement[bool]:
         """The condition on `schema.audit` that by a line a person has told something that is seen, and still holds."""
-        line, recordings, episodes = schema.audit.c, schema.recordings, schema.episodes
+        line = schema.audit.c
         holds = (line.what.in_((ADDED, CHANGED)), *([line.undone_us.is_(None)] if holding else []))
-        if self.everything:
-            return and_(*holds)
+        return and_(*holds) if self.everything else and_(*holds, self._is_told)
+
+    @cached_property
+    def _is_told(self) -> ColumnElement[bool]:
+        line, recordings, episodes = schema.audit.c, schema.recordings, schema.episodes
         before = (recordings.c.thing_id == line.thing_id, recordings.c.uploaded_us <= line.at_us)
         # when an episode came nobody has noted
         nothing = not_(or_(exists().where(*before), exists().where(episodes.c.thing_id == line.thing_id)))
@@ -101,7 +114,7 @@ class Viewer:
             or_(exists().where(*before, self.of(recordings)), of_theirs),
         )
         own = [] if self.name is None else [line.who == self.name]
-        return and_(*holds, or_(nothing, told, *own))
+        return or_(nothing, told, *own)
 
     def sees_all(self) -> ColumnElement[bool]:
         """The condition on `schema.things` that all that was done with one is seen."""

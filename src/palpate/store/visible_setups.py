@@ -20,6 +20,7 @@ __all__ = [
     "SeenDevice",
     "SeenProperty",
     "SeenSetup",
+    "gripper_names",
     "result_counts",
     "seen_devices",
     "seen_grippers",
@@ -88,12 +89,16 @@ def seen_devices(store: Store, viewer: Viewer) -> tuple[SeenDevice, ...]:
 
 def seen_grippers(store: Store, viewer: Viewer) -> tuple[str, ...]:
     """Names of all grippers with which something was measured that is seen."""
+    with reading(store.engine) as connection:
+        return tuple(sorted(connection.scalars(gripper_names(viewer))))
+
+
+def gripper_names(viewer: Viewer) -> Select[str]:
+    """The question that `seen_grippers` asks."""
     setups, recordings = schema.setups.c, schema.recordings
     # there are few setups, and each has its recordings together
     is_seen = exists().where(recordings.c.setup_id == setups.id, viewer.of(recordings))
-    asked = select(setups.gripper).where(setups.gripper.is_not(None), is_seen).distinct()
-    with reading(store.engine) as connection:
-        return tuple(sorted(name for name in connection.scalars(asked) if name is not None))
+    return select(setups.gripper).where(setups.gripper.is_not(None), is_seen).distinct()
 
 
 def seen_properties(store: Store, viewer: Viewer) -> tuple[SeenProperty, ...]:

@@ -21,17 +21,17 @@ from palpate.store.records import ThingRef
 from palpate.store.sayings import may_know_word
 from palpate.store.search_words import search_words
 from palpate.store.store import Store
-from palpate.store.things import Thing, is_thing, things_where
+from palpate.store.things import Thing, is_thing, things_by_row
 from palpate.store.viewing import Viewer, known_things
-from palpate.store.visible_words import of_mixed, rows_named, seen_refs, unsaid
+from palpate.store.visible_words import of_mixed, seen_refs, unsaid
 
 __all__ = [
     "ThingFilter",
     "ThingPage",
     "as_known",
-    "count_things",
     "is_all_theirs",
     "list_visible_things",
+    "listed_things",
     "rows_of",
     "things_by_name",
     "visible_thing",
@@ -124,7 +124,7 @@ def list_visible_things(
     StoreError
         If the cursor is not of a list of objects.
     """
-    asked = _asked(viewer, wanted or ThingFilter())
+    asked = listed_things(viewer, wanted or ThingFilter())
     if cursor is not None:
         asked = asked.where(_is_after(*_place(cursor)))
     found = list[Thing]()
@@ -143,30 +143,28 @@ def list_visible_things(
 def _page(connection: Connection, viewer: Viewer, asked: Select[int], limit: int) -> list[Thing]:
     columns = schema.things.c
     # in the order of the database, which need not be that of Python: what comes after a cursor is in it too
-    name = (columns.dataset, columns.name)
-    by_name = asked.with_only_columns(columns.id, *name).order_by(*name).limit(limit)
-    keys = {(dataset, name): row for row, dataset, name in connection.execute(by_name)}
-    named = {(one.ref.dataset, one.ref.id): one for one in things_where(connection, columns.id.in_(keys.values()))}
-    return _as_seen(connection, viewer, keys, [named[name] for name in keys])
+    rows = connection.scalars(asked.order_by(columns.dataset, columns.name).limit(limit)).all()
+    return _as_seen(connection, viewer, rows)
 
 
 def _is_after(dataset: str, name: str) -> ColumnElement[bool]:
     return tuple_(schema.things.c.dataset, schema.things.c.name) > tuple_(dataset, name)
 
 
-def count_things(store: Store, viewer: Viewer) -> int:
-    """How many objects there are to see."""
-    with reading(store.engine) as connection:
-        return connection.scalar(select(func.count()).select_from(_asked(viewer, ThingFilter()).subquery())) or 0
+def listed_things(viewer: Viewer, wanted: ThingFilter) -> Select[int]:
+    """Rows of the objects that a list has, those merged into another one left out."""
+    columns = schema.things.c
+    shown = (columns.merged_into.is_(None), columns.id.in_(viewer.heads()))
+    return select(columns.id).where(*shown, *wanted.conditions(viewer))
 
 
 def visible_thing(store: Store, viewer: Viewer, dataset: str, name: str) -> Thing | None:
     """The object of a dataset and a name, or None where there is none to see."""
-    seen = or_(viewer.things(), schema.things.c.id.in_(viewer.heads()))
+    things = schema.things.c
+    seen = or_(viewer.things(), things.id.in_(viewer.heads()))
     with reading(store.engine) as connection:
-        found = list(things_where(connection, is_thing(ThingRef(dataset, name)) & seen))
-        keys = rows_named(connection, [(one.ref.dataset, one.ref.id) for one in found])
-        return next(iter(_as_seen(connection, viewer, keys, found)), None)
+        rows = connection.scalars(select(things.id).where(is_thing(ThingRef(dataset, name)), seen)).all()
+        return next(iter(_as_seen(connection, viewer, rows)), None)
 
 
 def is_all_theirs(store: Store, name: str, thing: ThingRef) -> bool:
@@ -197,25 +195,23 @@ def rows_of(thing: ThingRef) -> Select[int]:
     return select(things.c.id).where(or_(things.c.id.in_(own), things.c.merged_into.in_(own)))
 
 
-def _asked(viewer: Viewer, wanted: ThingFilter) -> Select[int]:
-    columns = schema.things.c
-    shown = (columns.merged_into.is_(None), columns.id.in_(viewer.heads()))
-    return select(columns.id).where(*shown, *wanted.conditions(viewer))
-
-
-def _as_seen(
-    connection: Connection, viewer: Viewer, keys: Mapping[tuple[str, str], int], found: Sequence[Thing]
-) -> list[Thing]:
-    """Objects with what is merged into them and with their numbers of recordings as a viewer sees them."""
-    if viewer.everything:
-        return list(found)
+def _as_seen(connection: Connection, viewer: Viewer, rows: Sequence[int]) -> list[Thing]:
+    """Objects by their rows, with what is merged into them and with their numbers of recordings as a viewer sees."""
+    if not rows:
+        return []
     things, recordings = schema.things.c, schema.recordings
-    parts = select(things.id, things.merged_into, things.dataset, things.name, viewer.things())
-    heads, seen = {key: key for key in keys.values()}, dict[int, set[tuple[str, str]]]()
-    for key, head, dataset, name, is_seen in connection.execute(parts.where(things.merged_into.in_(keys.values()))):
-        heads[key] = head
-        if is_seen:
-            seen.setdefault(head, set()).add((dataset, name))
+    by_row = things_by_row(connection, things.id.in_(rows), are_counted=viewer.everything)
+    found = {row: by_row[row] for row in rows}
+    if viewer.everything:
+        return list(found.values())
+    heads, seen = {row: row for row in rows}, dict[int, set[tuple[str, str]]]()
+    whole = [row for row, one in found.items() if one.merged]
+    if whole:
+        parts = select(things.id, things.merged_into, things.dataset, things.name, viewer.things())
+        for key, head, dataset, name, is_seen in connection.execute(parts.where(things.merged_into.in_(whole))):
+            heads[key] = head
+            if is_seen:
+                seen.setdefault(head, set()).add((dataset, name))
     counted = select(recordings.c.thing_id, func.count()).where(recordings.c.thing_id.in_(heads), viewer.of(recordings))
     counts = Counter[int]()
     for key, count in connection.execute(counted.group_by(recordings.c.thing_id)):
@@ -226,16 +222,14 @@ def _as_seen(
             merged=tuple(part for part in one.merged if (part.dataset, part.id) in seen.get(key, ())),
             recordings=counts[key],
         )
-        for key, one in zip(keys.values(), as_known(connection, viewer, found), strict=True)
+        for key, one in zip(rows, as_known(connection, viewer, found), strict=True)
     ]
 
 
-def as_known(connection: Connection, viewer: Viewer, found: Sequence[Thing]) -> list[Thing]:
-    """Objects with what a viewer may know of each."""
+def as_known(connection: Connection, viewer: Viewer, whole: Mapping[int, Thing]) -> list[Thing]:
+    """Objects, which are given by their rows, with what a viewer may know of each."""
     if viewer.everything:
-        return list(found)
-    keys = rows_named(connection, [(one.ref.dataset, one.ref.id) for one in found])
-    whole = dict(zip(keys.values(), found, strict=True))
+        return list(whole.values())
     seen = seen_refs(connection, viewer, {key: one.ref for key, one in whole.items()})
     every = {key: {(field, to_json(value)) for field, value in _told(one).items()} for key, one in whole.items()}
     doubtful = {key: parts for key, parts in unsaid(connection, viewer, every).items() if parts}
@@ -273,8 +267,9 @@ def things_by_name(store: Store, viewer: Viewer, names: Collection[tuple[str, st
     ordered, found = sorted(names), dict[tuple[str, str], Thing]()
     with reading(store.engine) as connection:
         for part in chunks(ordered, AT_ONCE):
-            condition = tuple_(columns.dataset, columns.name).in_(part) & seen
-            things = list(things_where(connection, condition))
+            asked = select(columns.id).where(tuple_(columns.dataset, columns.name).in_(part), seen)
+            rows = connection.scalars(asked).all()
+            things = things_by_row(connection, columns.id.in_(rows), are_counted=False)
             for thing in as_known(connection, viewer, things):
                 found[thing.ref.dataset, thing.ref.id] = replace(thing, merged=(), recordings=0)
     return found

@@ -53,6 +53,8 @@ def home(request: Request, store: StoreOf, who: Who) -> HTMLResponse:
 def _some_things(store: Store, viewer: Viewer) -> list[Thing]:
     """A few objects, those that were not simulated first."""
     real = list_visible_things(store, viewer, ThingFilter(in_none_of=SIMULATED), limit=CARDS).rows
+    if len(real) == CARDS:
+        return list(real)
     every = list_visible_things(store, viewer, limit=CARDS).rows
     paths = {one.path for one in real}
     return [*real, *(one for one in every if one.path not in paths)][:CARDS]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from datetime import datetime
 from enum import IntEnum
+from functools import cached_property
 
 from sqlalchemy import func, insert, or_, select, update
 
@@ -83,9 +84,9 @@ class Account:
     name: str | None = None
     role: Role = Role.NOBODY
 
-    @property
+    @cached_property
     def viewer(self) -> Viewer:
-        """What they see."""
+        """What they see, as of the first look."""
         return Viewer(self.name, lab=self.role >= Role.READER, everything=self.role >= Role.ADMIN)
 
 
