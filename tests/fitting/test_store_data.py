@@ -24,6 +24,7 @@ from palpate.store.opening import open_store
 from palpate.store.records import Device, Recording, Setup, ThingRef
 from palpate.store.store import Store
 from tests.fitting.made_up import START, WORKSHOP, drawn, fill, network_of, recordings_of
+from tests.store.places import check_services, emptied
 
 MUG = ThingRef("lab", "mug")
 NONE = Setup()
@@ -34,9 +35,11 @@ def network(tmp_path: Path) -> Network:
     return network_of(tmp_path)
 
 
-@pytest.fixture
-def store(tmp_path: Path) -> Iterator[Store]:
-    with open_store(tmp_path / "store.sqlite", durable=False) as found:
+@pytest.fixture(params=["sqlite", "postgresql"])
+def store(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Store]:
+    check_services(request.param)
+    place = emptied() if request.param == "postgresql" else tmp_path / "store.sqlite"
+    with open_store(place, tmp_path / "blobs", durable=False) as found:
         yield found
 
 
@@ -79,7 +82,8 @@ def test_what_was_put_is_read(store: Store, network: Network) -> None:
             a: sorted(map(str, got)) for a, got in was.readings.items()
         }
     (source,) = data.sources
-    assert (source.kind, source.name, source.items) == ("store", "store.sqlite", 6 * 6)
+    assert (source.kind, source.items) == ("store", 6 * 6)
+    assert source.name == ("store.sqlite" if store.engine.dialect.name == "sqlite" else str(store.engine.url))
     assert source.first.startswith("2024-05-01T12:00:01")
 
 

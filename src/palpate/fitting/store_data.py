@@ -8,7 +8,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Row, Select, case, select
+from sqlalchemy import Row, Select, case, false, select
 
 from palpate.errors import EvidenceError
 from palpate.fitting.data import Data, Source
@@ -21,6 +21,7 @@ from palpate.outcomes import Above, Below, Failed, Label, Outcome, Reading
 from palpate.robots.simulated_truth import LOOKS_LIKE
 from palpate.store import schema
 from palpate.store.content import entry_plain, to_json
+from palpate.store.database import as_of_one_moment
 from palpate.store.filters import Filter
 from palpate.store.legible import legible, reading
 from palpate.store.rows import moment_at
@@ -118,7 +119,8 @@ def _of_dataset(name: str, wanted: Filter) -> bool:
 
 
 def _readings(store: Store, wanted: Filter) -> Iterator[Row[*tuple[Any, ...]]]:
-    with reading(store.engine) as connection:
+    # what comes in parts needs a transaction
+    with reading(as_of_one_moment(store.engine)) as connection:
         yield from connection.execution_options(stream_results=True).execute(_asked(wanted))
 
 
@@ -130,7 +132,7 @@ def _asked(wanted: Filter) -> Select[*tuple[Any, ...]]:
     return (
         select(*columns, *own, entries.position, failure)
         .join(recordings, recordings.c.id == entries.recording_id)
-        .where(recordings.c.ground_truth.is_(False), *wanted.conditions())
+        .where(recordings.c.ground_truth.is_(false()), *wanted.conditions())
         .order_by(recordings.c.digest, entries.position)
     )
 
