@@ -8,12 +8,13 @@ from sqlalchemy import inspect, text
 
 from palpate.store import schema
 from palpate.store.content import entry_plain, to_json
-from palpate.store.database import LATEST, connect, migrate, revision
+from palpate.store.database import LATEST, as_of_one_moment, asking, changing, connect, migrate, revision
 from palpate.store.describing import change_thing
 from palpate.store.entries import Distribution, Value
 from palpate.store.errors import DamagedError, StoreError
 from palpate.store.filters import Filter
 from palpate.store.keeping_episodes import get_episode, put_episode
+from palpate.store.legible import reading
 from palpate.store.listing import list_recordings
 from palpate.store.opening import open_store
 from palpate.store.records import ThingRef
@@ -110,3 +111,41 @@ def test_no_question_is_compiled(store: Store) -> None:
         pytest.skip("of PostgreSQL alone")
     with store.engine.connect() as connection:
         assert connection.exec_driver_sql("SHOW jit").scalar() == "off"
+
+
+def test_what_is_often_asked_is_planned_once(store: Store) -> None:
+    """PostgreSQL keeps how it answers a question, whichever connections others give back in between."""
+    if store.engine.dialect.name != "postgresql":
+        pytest.skip("of PostgreSQL alone")
+    for _ in range(12):
+        store.known([squeeze().digest])
+        assert list_recordings(store).rows == ()
+    with reading(store.engine) as connection:
+        kept = connection.exec_driver_sql("SELECT statement FROM pg_prepared_statements WHERE generic_plans > 0")
+        texts = [one.partition("FROM")[2] for one in kept.scalars()]
+    assert any("ORDER BY recordings.recorded_us DESC" in one for one in texts), texts
+    assert any("recordings.digest IN" in one for one in texts), texts
+
+
+def remove_entries_in_vain(store: Store) -> None:
+    with changing(store.engine) as connection:
+        connection.execute(text("DELETE FROM entries"))
+        raise ZeroDivisionError
+
+
+def test_what_is_asked_leaves_others_their_transactions(store: Store) -> None:
+    """A connection by which something was asked takes back what is not committed, and shows one moment where asked."""
+    store.put(squeeze())
+    count = text("SELECT count(*) FROM recordings")
+    with asking(store.engine).connect() as connection:
+        assert connection.scalar(count) == 1
+    with pytest.raises(ZeroDivisionError):
+        remove_entries_in_vain(store)
+    with reading(store.engine) as connection:
+        assert connection.scalar(text("SELECT count(*) FROM entries")) == 1
+    with reading(as_of_one_moment(store.engine)) as connection:
+        assert connection.scalar(count) == 1
+        store.put(squeeze(1))
+        assert connection.scalar(count) == 1
+    with reading(store.engine) as connection:
+        assert connection.scalar(count) == 2

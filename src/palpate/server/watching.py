@@ -22,6 +22,7 @@ from palpate.server.security.addresses import is_here
 from palpate.server.security.who import Who
 from palpate.server.sending import Sending
 from palpate.server.state import state_of
+from palpate.store.database import asking
 
 __all__ = ["Watching", "router", "start_log"]
 
@@ -36,7 +37,7 @@ SECONDS = Histogram("palpate_request_seconds", "Time to the last byte", ("method
 @router.get("/health")
 def health(store: StoreOf) -> Response:
     """Whether the store answers: 200, or 503."""
-    with store.engine.connect() as connection:
+    with asking(store.engine).connect() as connection:
         connection.execute(text("SELECT 1 FROM recordings LIMIT 1"))
     return JSONResponse({"status": "ok"})
 

@@ -9,6 +9,7 @@ from sqlalchemy import select
 
 from palpate.store import schema
 from palpate.store.arrays import unpack_series
+from palpate.store.database import as_of_one_moment
 from palpate.store.fetching import from_row_or_blob, parsed_layout
 from palpate.store.legible import reading
 from palpate.store.records import Series
@@ -47,7 +48,7 @@ def curves_of_gripper(store: Store, gripper: str, *, action: str | None = None) 
     if action is not None:
         asked = asked.where(recordings.action == action)
     with (
-        reading(store.engine) as connection,
+        reading(as_of_one_moment(store.engine)) as connection,
         # closed also where one does not read to the end, as PostgreSQL holds the rest
         connection.execution_options(yield_per=AT_ONCE).execute(asked) as found,
     ):

@@ -25,6 +25,7 @@ __all__ = [
     "LATEST",
     "MERGE_LOCK",
     "as_of_one_moment",
+    "asking",
     "changing",
     "connect",
     "is_store",
@@ -149,6 +150,16 @@ def _sqlite(address: URL, *, durable: bool, cache_bytes: int) -> Engine:
         connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
 
     return engine
+
+
+def asking(engine: Engine) -> Engine:
+    """The same engine for questions, of which each sees all that is committed by then, as in a transaction of its own.
+
+    PostgreSQL is not told where they begin and end. And as nothing is rolled back, its driver does not throw away what
+    it has prepared: questions that are often asked are planned once, which takes longer than most answers.
+    """
+    is_open = engine.dialect.name == "postgresql" and "isolation_level" not in engine.get_execution_options()
+    return engine.execution_options(isolation_level="AUTOCOMMIT") if is_open else engine
 
 
 def writing(engine: Engine) -> Engine:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from sqlalchemy import func, select
 
 from palpate.store import schema
+from palpate.store.database import asking
 from palpate.store.store import Store
 
 __all__ = ["device_names"]
@@ -14,5 +15,5 @@ def device_names(store: Store) -> tuple[str, ...]:
     """Each name once, in the order in which the store first heard of it."""
     columns = schema.devices.c
     asked = select(columns.name).group_by(columns.name).order_by(func.min(columns.id))
-    with store.engine.connect() as connection:
+    with asking(store.engine).connect() as connection:
         return tuple(connection.scalars(asked))

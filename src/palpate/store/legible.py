@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from sqlalchemy import Connection, Engine
 from sqlalchemy.exc import DataError, DBAPIError
 
+from palpate.store.database import asking
 from palpate.store.errors import DamagedError, StoreError, UnavailableError
 from palpate.store.outages import not_asked
 
@@ -60,7 +61,7 @@ def reading(engine: Engine) -> Iterator[Connection]:
     """
     place = f"store {engine.url!r}"
     try:
-        with legible(place), engine.connect() as connection:
+        with legible(place), asking(engine).connect() as connection:
             yield connection
     except DBAPIError as error:
         if isinstance(error, DataError) and (flaw := not_asked(error)) is not None:

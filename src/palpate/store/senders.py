@@ -8,7 +8,7 @@ from sqlalchemy import Engine, func, not_, or_, select, text
 
 from palpate.store import schema
 from palpate.store.chunks import chunks
-from palpate.store.database import changing
+from palpate.store.database import asking, changing
 from palpate.store.filters import digest_bytes
 from palpate.store.registry import now_us
 from palpate.store.viewing import Viewer
@@ -39,7 +39,7 @@ def _noted(engine: Engine, digests: Sequence[str], name: str) -> set[str]:
     asked = select(columns.id, columns.digest, is_open.label("is_open")).where(
         columns.digest.in_([digest_bytes(digest) for digest in digests]), not_(theirs)
     )
-    with engine.connect() as connection:
+    with asking(engine).connect() as connection:
         others = connection.execute(asked).all()
     if not others:
         return set()

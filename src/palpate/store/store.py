@@ -16,7 +16,7 @@ from palpate.store import schema
 from palpate.store.blobs import Blobs
 from palpate.store.checks import check
 from palpate.store.chunks import chunks
-from palpate.store.database import writing
+from palpate.store.database import asking, writing
 from palpate.store.errors import StoreError, UnavailableError
 from palpate.store.fetching import fetch, whole
 from palpate.store.implausible import implausible
@@ -153,7 +153,7 @@ class Store:
 
     def _known(self, asked: Sequence[bytes]) -> set[str]:
         column, found = schema.recordings.c.digest, set[str]()
-        with self.engine.connect() as connection:
+        with asking(self.engine).connect() as connection:
             for some in chunks(asked):
                 rows = connection.execute(select(column).where(column.in_(some)))
                 found.update(digest.hex() for digest in rows.scalars())

@@ -17,6 +17,7 @@ from palpate.server.security.sites import check_same_site
 from palpate.server.security.tokens import account_of
 from palpate.server.state import state_of
 from palpate.store import schema
+from palpate.store.database import asking
 from palpate.store.store import Store
 
 __all__ = ["BasicOwner"]
@@ -78,7 +79,7 @@ def _found(request: Request, name: str, secret: str) -> Account:
 
 def _by_password(store: Store, name: str, password: str) -> Account | None:
     columns = schema.users.c
-    with store.engine.connect() as connection:
+    with asking(store.engine).connect() as connection:
         row = connection.execute(select(columns.role, columns.password_hash).where(columns.name == name)).first()
     # as slow where there is no account
     is_right = is_password(password, None if row is None else row.password_hash)

@@ -10,7 +10,7 @@ from sqlalchemy import Connection, collate, func, insert, select, update
 from palpate.server.security.accounts import Role
 from palpate.server.security.single_sign_on import Identity
 from palpate.store import schema
-from palpate.store.database import ACCOUNT_LOCK, changing, one_at_a_time
+from palpate.store.database import ACCOUNT_LOCK, asking, changing, one_at_a_time
 from palpate.store.errors import StoreError
 from palpate.store.registry import now_us
 from palpate.store.store import Store
@@ -46,7 +46,7 @@ def link(
 
 def check_link(store: Store, name: str, *, email: str | None, issuer: str | None, subject: str | None) -> None:
     """Refuse what `link` would refuse of an account that is not there yet."""
-    with store.engine.connect() as connection:
+    with asking(store.engine).connect() as connection:
         _check(connection, name, email, issuer, subject)
 
 

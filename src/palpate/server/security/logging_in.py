@@ -9,7 +9,7 @@ from palpate.server.security.lifetimes import is_of_session
 from palpate.server.security.passwords import hashed, is_password
 from palpate.server.security.tokens import issue_session
 from palpate.store import schema
-from palpate.store.database import changing
+from palpate.store.database import asking, changing
 from palpate.store.registry import now_us
 from palpate.store.store import Store
 
@@ -44,6 +44,6 @@ def log_in(store: Store, name: str, password: str) -> str | None:
 def knows_password(store: Store, name: str, password: str) -> bool:
     """Whether it is the password of an account; it takes as long where there is none."""
     columns = schema.users.c
-    with store.engine.connect() as connection:
+    with asking(store.engine).connect() as connection:
         kept = connection.scalar(select(columns.password_hash).where(columns.name == name))
     return is_password(password, kept)
