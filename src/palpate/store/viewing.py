@@ -12,7 +12,7 @@ later, and nobody hides it so.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
@@ -57,12 +57,14 @@ class Viewer:
         """The condition on `schema.recordings` or `schema.episodes` that a row is seen."""
         if self.everything:
             return true()
+        # it stands many times in one question, and to put it together takes longer than to look up a row
+        if table not in self._of:
+            self._of[table] = self._seen(table)
         return self._of[table]
 
     @cached_property
-    def _of(self) -> Mapping[Table, ColumnElement[bool]]:
-        # each stands many times in one question, and to put it together takes longer than to look up a row
-        return {table: self._seen(table) for table in (schema.recordings, schema.episodes)}
+    def _of(self) -> dict[Table, ColumnElement[bool]]:
+        return {}
 
     def _seen(self, table: Table) -> ColumnElement[bool]:
         shown = ("public", "lab") if self.lab else ("public",)
