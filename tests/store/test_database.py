@@ -137,7 +137,7 @@ def test_what_is_asked_leaves_others_their_transactions(store: Store) -> None:
     """A connection by which something was asked takes back what is not committed, and shows one moment where asked."""
     store.put(squeeze())
     count = text("SELECT count(*) FROM recordings")
-    with asking(store.engine).connect() as connection:
+    with asking(store.engine) as connection:
         assert connection.scalar(count) == 1
     with pytest.raises(ZeroDivisionError):
         remove_entries_in_vain(store)

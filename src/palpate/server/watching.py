@@ -37,7 +37,7 @@ SECONDS = Histogram("palpate_request_seconds", "Time to the last byte", ("method
 @router.get("/health")
 def health(store: StoreOf) -> Response:
     """Whether the store answers: 200, or 503."""
-    with asking(store.engine).connect() as connection:
+    with asking(store.engine) as connection:
         connection.execute(text("SELECT 1 FROM recordings LIMIT 1"))
     return JSONResponse({"status": "ok"})
 

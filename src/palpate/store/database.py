@@ -152,14 +152,18 @@ def _sqlite(address: URL, *, durable: bool, cache_bytes: int) -> Engine:
     return engine
 
 
-def asking(engine: Engine) -> Engine:
-    """The same engine for questions, of which each sees all that is committed by then, as in a transaction of its own.
+@contextmanager
+def asking(engine: Engine) -> Iterator[Connection]:
+    """A connection for questions, of which each sees all that is committed by then, as in a transaction of its own.
 
     PostgreSQL is not told where they begin and end. And as nothing is rolled back, its driver does not throw away what
-    it has prepared: questions that are often asked are planned once, which takes longer than most answers.
+    it has prepared: questions that are often asked are planned once, which takes longer than most answers. An engine
+    of `as_of_one_moment` asks in one transaction all the same.
     """
-    is_open = engine.dialect.name == "postgresql" and "isolation_level" not in engine.get_execution_options()
-    return engine.execution_options(isolation_level="AUTOCOMMIT") if is_open else engine
+    with engine.connect() as connection:
+        if engine.dialect.name == "postgresql" and "isolation_level" not in connection.get_execution_options():
+            connection.execution_options(isolation_level="AUTOCOMMIT")
+        yield connection
 
 
 def writing(engine: Engine) -> Engine:

@@ -15,5 +15,5 @@ def device_names(store: Store) -> tuple[str, ...]:
     """Each name once, in the order in which the store first heard of it."""
     columns = schema.devices.c
     asked = select(columns.name).group_by(columns.name).order_by(func.min(columns.id))
-    with asking(store.engine).connect() as connection:
+    with asking(store.engine) as connection:
         return tuple(connection.scalars(asked))

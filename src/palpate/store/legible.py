@@ -61,7 +61,7 @@ def reading(engine: Engine) -> Iterator[Connection]:
     """
     place = f"store {engine.url!r}"
     try:
-        with legible(place), asking(engine).connect() as connection:
+        with legible(place), asking(engine) as connection:
             yield connection
     except DBAPIError as error:
         if isinstance(error, DataError) and (flaw := not_asked(error)) is not None:

@@ -39,7 +39,7 @@ def _noted(engine: Engine, digests: Sequence[str], name: str) -> set[str]:
     asked = select(columns.id, columns.digest, is_open.label("is_open")).where(
         columns.digest.in_([digest_bytes(digest) for digest in digests]), not_(theirs)
     )
-    with asking(engine).connect() as connection:
+    with asking(engine) as connection:
         others = connection.execute(asked).all()
     if not others:
         return set()

@@ -153,7 +153,7 @@ class Store:
 
     def _known(self, asked: Sequence[bytes]) -> set[str]:
         column, found = schema.recordings.c.digest, set[str]()
-        with asking(self.engine).connect() as connection:
+        with asking(self.engine) as connection:
             for some in chunks(asked):
                 rows = connection.execute(select(column).where(column.in_(some)))
                 found.update(digest.hex() for digest in rows.scalars())

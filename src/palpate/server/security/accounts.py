@@ -130,7 +130,7 @@ def add_user(store: Store, name: str, role: Role, email: str | None = None) -> N
 
 def has_account(store: Store, name: str | None) -> bool:
     """Whether there is an account of a name; who comes by the key of the store has none."""
-    with asking(store.engine).connect() as connection:
+    with asking(store.engine) as connection:
         return connection.scalar(select(schema.users.c.id).where(schema.users.c.name == name)) is not None
 
 
@@ -155,7 +155,7 @@ def users(store: Store) -> tuple[User, ...]:
     lasts = or_(held.expires_us.is_(None), held.expires_us > now_us())
     holds = (held.user_id == columns.id, held.revoked_us.is_(None), lasts, ~is_of_session())
     count = select(func.count()).where(*holds).scalar_subquery()
-    with asking(store.engine).connect() as connection:
+    with asking(store.engine) as connection:
         rows = connection.execute(select(schema.users, count.label("held")).order_by(columns.name)).all()
     return tuple(User(row.name, row.role, row.email, moment_at(row.created_us), row.held) for row in rows)
 

@@ -79,7 +79,7 @@ def _found(request: Request, name: str, secret: str) -> Account:
 
 def _by_password(store: Store, name: str, password: str) -> Account | None:
     columns = schema.users.c
-    with asking(store.engine).connect() as connection:
+    with asking(store.engine) as connection:
         row = connection.execute(select(columns.role, columns.password_hash).where(columns.name == name)).first()
     # as slow where there is no account
     is_right = is_password(password, None if row is None else row.password_hash)

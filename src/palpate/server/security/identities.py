@@ -46,7 +46,7 @@ def link(
 
 def check_link(store: Store, name: str, *, email: str | None, issuer: str | None, subject: str | None) -> None:
     """Refuse what `link` would refuse of an account that is not there yet."""
-    with asking(store.engine).connect() as connection:
+    with asking(store.engine) as connection:
         _check(connection, name, email, issuer, subject)
 
 

@@ -44,6 +44,6 @@ def log_in(store: Store, name: str, password: str) -> str | None:
 def knows_password(store: Store, name: str, password: str) -> bool:
     """Whether it is the password of an account; it takes as long where there is none."""
     columns = schema.users.c
-    with asking(store.engine).connect() as connection:
+    with asking(store.engine) as connection:
         kept = connection.scalar(select(columns.password_hash).where(columns.name == name))
     return is_password(password, kept)

@@ -179,7 +179,7 @@ def revoke(store: Store, token: int, *, user: str | None = None, most: Role = Ro
 
 def account_of(store: Store, secret: str) -> Account | None:
     """Whose token it is; None where it is nobody's, has expired or was revoked."""
-    with asking(store.engine).connect() as connection:
+    with asking(store.engine) as connection:
         row = connection.execute(_holder(), {"digest": digest_of(secret)}).first()
     if row is None or (row.expires_us is not None and row.expires_us <= now_us()):
         return None
@@ -203,7 +203,7 @@ def tokens(store: Store, user: str | None = None) -> tuple[Token, ...]:
     asked = select(schema.tokens, schema.users.c.name).join(schema.users, schema.users.c.id == columns.user_id)
     if user is not None:
         asked = asked.where(schema.users.c.name == user)
-    with asking(store.engine).connect() as connection:
+    with asking(store.engine) as connection:
         return tuple(_token(row) for row in connection.execute(asked.order_by(columns.id)))
 
 
@@ -214,7 +214,7 @@ def latest_end_us(store: Store, secret: str, *, in_browser: bool) -> int | None:
     log-in lasts exactly as long as all of them: another short token, sent as if it were one, is none.
     """
     columns = schema.tokens.c
-    with asking(store.engine).connect() as connection:
+    with asking(store.engine) as connection:
         asked = select(columns.created_us, columns.expires_us).where(columns.digest == digest_of(secret))
         row = connection.execute(asked).first()
     if row is None or row.expires_us is None:
@@ -237,5 +237,5 @@ def _token(row: Any) -> Token:
 def number_of(store: Store, secret: str) -> int | None:
     """The number of a token in the list of them; None where there is none."""
     columns = schema.tokens.c
-    with asking(store.engine).connect() as connection:
+    with asking(store.engine) as connection:
         return connection.scalar(select(columns.id).where(columns.digest == digest_of(secret)))
