@@ -264,6 +264,30 @@ def test_watch_an_exploration_that_another_process_makes(page: Any, place: tuple
         assert page.evaluate("window.same")
 
 
+@pytest.mark.parametrize("page", ["desktop"], indirect=True)
+def test_an_earlier_step_stays_while_the_rest_of_its_page_goes_on(page: Any, place: tuple[str, str]) -> None:
+    """What is told of all steps is told once, and is true; what the step shows is left alone."""
+    with Store(open_store(place[0], place[1], durable=False).engine, FolderBlobs(Path(place[1]))) as store:
+        shown = get_episode(store, list_episodes(store, limit=1).rows[0].id)
+        grown = replace(shown, steps=shown.steps[:1], id=uuid4(), started_at=datetime.now(UTC))
+        put_episode(store, grown)
+        page.goto(f"/episodes/{grown.id}?step=1")
+        page.locator(".beliefs").evaluate("one => { one.same = true }")
+        steps, state = page.get_by_role("navigation", name="Steps").get_by_role("link"), page.locator(".live")
+        expect(steps).to_have_count(1)
+        expect(state).to_contain_text(["It goes on; the last word came at", ""])
+        put_episode(store, grown := grown.continued(shown.steps[1].record))
+        expect(steps).to_have_count(2)
+        expect(page.get_by_role("log").locator("li")).to_have_count(2)
+        expect(page.get_by_role("link", name="Step after")).to_be_attached()
+        assert "steps by now" not in page.inner_text("main")
+        put_episode(store, grown.continued(shown.steps[-1].record))
+        expect(state).to_have_text([f"It ended because {shown.stop}."])
+        expect(page.get_by_role("link", name="Follow the newest step")).to_have_count(0)
+        page.get_by_role("heading", name="Step 1: which action?").wait_for()
+        assert page.locator(".beliefs").evaluate("one => one.same")
+
+
 SLOW = """
 import time
 from palpate.cli import main

@@ -12,7 +12,7 @@ window.addEventListener("pageshow", () => {
   for (const field of document.querySelectorAll("form :disabled")) field.disabled = false;
 });
 
-// An exploration that goes on: the page follows it, unless somebody looks at an earlier step.
+// An exploration that goes on: the page follows it; who looks at an earlier step stays there, beside what is told of all.
 const LOST_MS = 3000;
 function follow(place) {
   const events = new EventSource(place.dataset.live);
@@ -27,8 +27,7 @@ function follow(place) {
   events.onmessage = (event) => {
     const now = JSON.parse(event.data);
     if (now.stop) events.close();
-    if (following) renew(now.stop ? () => place.remove() : () => {});
-    else place.textContent = now.stop ? `It has ended because ${now.stop}.` : `It goes on: ${now.lines} steps by now.`;
+    renew(following, now.stop ? () => place.remove() : () => {});
   };
   // A stream ends now and then, and the browser asks again: only what lasts is worth a word.
   events.onerror = () => {
@@ -42,14 +41,14 @@ function follow(place) {
 }
 
 // Take what is new from the page as it is by now; again a little later where the server is away.
-async function renew(then) {
+async function renew(following, then) {
   try {
     const answer = await fetch(location.href);
     if (!answer.ok) throw new TypeError(answer.statusText);
     const page = new DOMParser().parseFromString(await answer.text(), "text/html");
     for (const part of document.querySelectorAll("[data-part]")) {
       const other = page.querySelector(`[data-part=${part.dataset.part}]`);
-      if (!other) continue;
+      if (!other || (part.dataset.part === "step" && !following)) continue;
       if (part.getAttribute("role") === "log") {
         const lines = part.firstElementChild;
         lines.append(...[...other.firstElementChild.children].slice(lines.children.length));
@@ -59,7 +58,7 @@ async function renew(then) {
     }
     then();
   } catch {
-    setTimeout(() => renew(then), LOST_MS);
+    setTimeout(() => renew(following, then), LOST_MS);
   }
 }
 
