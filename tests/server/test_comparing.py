@@ -154,7 +154,7 @@ def test_bounds_are_told_with_their_numbers(client: TestClient, store: Store) ->
     others: list[Entry] = [*bounds, Interval("mass", 3.0, 4.0, "g"), FailedEntry("slipped", "mass")]
     store.put_many([measured(number, "left", entry=one) for number, one in enumerate(others)])
     page = client.get("/objects/lab/cup").text
-    assert "5 other results:" in page
+    assert "5 results: " in page
     assert ">above 20 g</a> (2 times)," in page
     for words in ("below 9 g", "3 to 4 g", "failed"):
         assert f">{words}</a>" in page

@@ -4,6 +4,7 @@ import re
 from functools import partial
 from html import unescape
 from html.parser import HTMLParser
+from typing import Any
 from urllib.parse import quote
 
 import pytest
@@ -156,6 +157,38 @@ def test_an_objects_page_has_each_value_against_the_truth(client: TestClient, st
     table = client.get("/compare/table.csv?property=mass").text.splitlines()
     assert table[1].split(",")[:5] == ["left", "lab", "cup", "g", "2"]
     assert [float(line.rsplit(",", 1)[1]) for line in table[1:]] == pytest.approx([-8.0, 8.0])
+
+
+def test_what_is_known_twice_is_told_apart_on_an_objects_page(client: TestClient, store: Store) -> None:
+    """Each line has a label that is whole and says whose it is; what is known to be true is counted as that."""
+    cup, scale = ThingRef("lab", "cup"), Setup(gripper=Device("gripper", "left"))
+    fields: dict[str, Any] = {"visibility": "public", "thing": cup, "setup": scale}
+    weighed = [squeeze(one, **fields, entries=(Value("mass", 118.0 + one, 2.0, "g"),)) for one in range(4)]
+    typed = squeeze(9, **fields, owner="robot7", ground_truth=True, entries=(Value("mass", 999.0, unit="g"),))
+    store.put_many([*weighed, typed])
+    change_thing(store, cup, lambda thing: thing.knowing(Value("mass", 0.12, unit="kg"), "our scale"))
+    page = client.get("/objects/lab/cup").text
+    labels = re.findall(r'<text x="([\d.]+)" y="([\d.]+)" class="truth-label" text-anchor="(\w+)">([^<]*)<', page)
+    assert [(anchor, label) for *_, anchor, label in labels] == [
+        ("end", "true: 999 (robot7)"),
+        ("start", "true: 120 (our scale)"),
+    ]
+    (top,) = {float(one) for one in re.findall(r'<line x1="[\d.]+" y1="([\d.]+)" [^>]*class="grid"', page)[:1]}
+    assert all(float(y) < top for _, y, *_ in labels)
+    assert "5 results, 1 of them known to be true" in page
+    assert "the dashed lines are what is known to be true" in page
+    # alone it is no line of a plot
+    bowl = ThingRef("lab", "bowl")
+    store.put(squeeze(10, **{**fields, "thing": bowl}, ground_truth=True, entries=typed.entries))
+    page = client.get("/objects/lab/bowl").text
+    assert "1 result, known to be true" in page
+    assert re.search(r"1 result: <a [^>]*>999 g</a>", page)
+
+
+def test_a_number_without_a_unit_is_on_an_objects_page(client: TestClient, store: Store) -> None:
+    """As it was given, and that no unit was stated."""
+    store.put(squeeze(1, visibility="public", thing=ThingRef("lab", "cup"), entries=(Value("holes", 3.0),)))
+    assert re.search(r"1 result: <a [^>]*>3 \(unit not stated\)</a>", client.get("/objects/lab/cup").text)
 
 
 def test_what_the_service_has_is_told_without_marks(client: TestClient) -> None:

@@ -15,11 +15,12 @@ from palpate.robots.signal_files import wav
 from palpate.server.plots.curves import channel_plot
 from palpate.server.plots.final_beliefs import beliefs_plot
 from palpate.server.plots.interactive import figure_json
+from palpate.server.plots.levels import in_lines, known_levels
 from palpate.server.plots.no_squeeze import no_squeeze_words
 from palpate.server.plots.overlays import Laid, overlay
 from palpate.server.plots.plot import Plot
 from palpate.server.plots.points import points_plot
-from palpate.server.plots.scale import spanning
+from palpate.server.plots.scale import Scale, spanning
 from palpate.server.plots.sounds import sound_in
 from palpate.server.plots.spectrogram import spectrogram
 from palpate.server.plots.squeezes import Held, held_by, squeeze_of, squeeze_plot, squeeze_words
@@ -336,6 +337,7 @@ def test_points_are_where_their_values_are() -> None:
             unit="g",
             given=None,
             label=None,
+            owner=None,
             measured_by="arm",
         )
         for value in (10.0, 14.0, 20.0)
@@ -414,6 +416,24 @@ def test_final_beliefs_stand_against_what_is_known() -> None:
     assert beliefs_plot("volume", found, [], None) is None
     # kilograms and grams cannot stand beside each other
     assert beliefs_plot("mass", [*found, believed(mass={**mass, "unit": "kg"})], [], None) is None
+
+
+@given(st.lists(st.floats(0, 1000), min_size=1, max_size=9), st.integers(1, 32))
+def test_labels_of_what_is_known_are_whole_and_over_none(values: list[float], letters: int) -> None:
+    """None leaves the plot or meets another one of its line; no line crosses one at the right of its own."""
+    across = Scale(-100.0, 1100.0, 190.0, 744.0)
+    placed = in_lines(known_levels([(value, "w" * letters) for value in values]), across)
+    assert {one.level.x for one in placed} == {one.x for one in known_levels([(value, "") for value in values])}
+    assert placed[0].line == 0
+    told = [(one, *one.ends(across)) for one in placed if one.line is not None]
+    for one, low, high in told:
+        # at the left there is room, as above the names of rows there is nothing
+        assert 0 <= low < high <= across.end
+        for other, low_of_other, high_of_other in told:
+            if other is not one and other.line == one.line:
+                assert high < low_of_other or high_of_other < low
+            if not one.at_left and other.line is not None and one.line is not None and other.line > one.line:
+                assert not low < across.at(other.level.x) < high
 
 
 def test_a_line_is_drawn_along_what_was_measured_and_no_further() -> None:

@@ -52,6 +52,8 @@ class Result:
         The number as it was given, where it cannot be told in that unit.
     label
         The most probable label.
+    owner
+        Of its recording.
     measured_by
         The gripper, or where there is none the first device that the setup names, or "nothing that is named".
     """
@@ -71,6 +73,7 @@ class Result:
     unit: str | None
     given: Given | None
     label: str | None
+    owner: str | None
     measured_by: str
 
 
@@ -179,7 +182,7 @@ def _results(connection: Connection, viewer: Viewer, things: Mapping[int, tuple[
     numbers = (entries.value, entries.sd, entries.low, entries.high, entries.value_si, entries.sd_si)
     asked = (
         select(recordings.c.uuid, recordings.c.recorded_us, recordings.c.action, recordings.c.ground_truth)
-        .add_columns(recordings.c.thing_id, recordings.c.setup_id)
+        .add_columns(recordings.c.owner, recordings.c.thing_id, recordings.c.setup_id)
         .add_columns(entries.kind, entries.property, entries.unit, entries.label, *numbers)
         .join(schema.entries, entries.recording_id == recordings.c.id)
         # an index gives the recordings of an object in order, and none its entries
@@ -190,7 +193,7 @@ def _results(connection: Connection, viewer: Viewer, things: Mapping[int, tuple[
     rows = connection.execute(asked).all()
     named = _names_of_setups(connection, {row.setup_id for row in rows})
     scale_of = lru_cache(_scale)
-    for uuid, at_us, action, truth, thing, setup, kind, property, unit, label, *values in rows:
+    for uuid, at_us, action, truth, owner, thing, setup, kind, property, unit, label, *values in rows:
         if setup not in named:
             continue
         unit_told = units.get(property or "")
@@ -215,6 +218,7 @@ def _results(connection: Connection, viewer: Viewer, things: Mapping[int, tuple[
             unit=None if by is None else unit_told,
             given=None if by is not None else Given(values[0], values[2], values[3], unit),
             label=label,
+            owner=owner,
             measured_by=named[setup],
         )
 

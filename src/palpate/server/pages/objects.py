@@ -65,15 +65,26 @@ def grid(request: Request, store: StoreOf, who: Who, query: Annotated[ObjectQuer
 
 @dataclass(frozen=True)
 class About:
-    """What an object's page says of one property."""
+    """What an object's page says of one property.
+
+    Attributes
+    ----------
+    lines
+        How many lines at values that are known to be true the plot has.
+    others
+        Results that are neither in the plot nor labels.
+    count, true_count
+        How many results there are, and how many of them are known to be true, which are lines and no points.
+    """
 
     name: str
     plot: Shown | None
-    has_truth: bool
+    lines: int
     labels: Sequence[tuple[str, int]]
     others: Sequence[Alike]
     others_count: int
     count: int
+    true_count: int
 
 
 @dataclass(frozen=True)
@@ -138,10 +149,18 @@ def beliefs(store: StoreOf, who: Who, thing: SeenThing, property: Text, dark: Da
 def _about(name: str, results: Sequence[Result], thing: Thing, colours: Mapping[str, int]) -> About:
     own = [result for result in results if result.property == name]
     labels = Counter(result.label for result in own if result.label is not None)
-    others = [result for result in own if result.value is None and result.label is None]
     points = _points(name, own, thing, colours)
-    plot, has_truth = shown(points, _figure(thing, "plot", name)), points is not None and bool(points.levels)
-    return About(name, plot, has_truth, labels.most_common(), alike(others), len(others), len(own))
+    others = [one for one in own if one.label is None and (one.value is None or points is None)]
+    return About(
+        name,
+        plot=shown(points, _figure(thing, "plot", name)),
+        lines=0 if points is None else len(points.levels),
+        labels=labels.most_common(),
+        others=alike(others),
+        others_count=len(others),
+        count=len(own),
+        true_count=sum(one.ground_truth for one in own),
+    )
 
 
 def _points(name: str, own: Sequence[Result], thing: Thing, colours: Mapping[str, int]) -> Plot | None:

@@ -84,9 +84,10 @@ class Drawing:
         head = f'<svg class="plot" viewBox="{box}" role="{role}" aria-label="{title}"><title>{title}</title>'
         return Markup(f"{head}{body}</svg>")
 
-    def line(self, x1: float, y1: float, x2: float, y2: float, kind: str) -> None:
-        """A line."""
-        self._parts.append(f'<line x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}" class="{escape(kind)}"/>')
+    def line(self, x1: float, y1: float, x2: float, y2: float, kind: str, told: str = "") -> None:
+        """A line, which may say what it is."""
+        head = f'<line x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}" class="{escape(kind)}"'
+        self._parts.append(f"{head}><title>{escape(shown(told))}</title></line>" if told else f"{head}/>")
 
     def rectangle(self, x: float, y: float, width: float, height: float, kind: str) -> None:
         """A rectangle."""

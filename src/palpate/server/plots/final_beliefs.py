@@ -9,6 +9,7 @@ from typing import Any
 
 from palpate.errors import plural
 from palpate.server.plots.drawing import number
+from palpate.server.plots.levels import known_levels
 from palpate.server.plots.plot import Level, Plot, Point, Row
 from palpate.store.final_beliefs import FinalBelief
 from palpate.store.rows import most_probable
@@ -46,19 +47,18 @@ def beliefs_plot(
         wanted = label or most_probable(next(share for _, share in shares if share))
         ends = [(one, _probability(share, wanted)) for one, share in shares if share]
         known = "known to be true" if label else "the most probable at last"
-        return _rows(property, ends, f"probability of {wanted}, {known}", [1.0] if label else [0.0, 1.0], bool(label))
+        levels = (Level(1.0, "true: 1"),) if label else (Level(0.0), Level(1.0))
+        return _rows(property, ends, f"probability of {wanted}, {known}", levels)
     units = {plain.get("unit") for _, plain in told if isinstance(plain.get("unit"), str)}
     of_numbers = [(one, _interval(plain)) for one, plain in told]
     ends = [(one, end) for one, end in of_numbers if end is not None]
     # beliefs of networks that do not agree about the unit cannot stand beside each other
     if not ends or len(units) != 1:
         return None
-    return _rows(property, ends, f"{property} [{units.pop()}]", [value for value, _ in truths], is_known=True)
+    return _rows(property, ends, f"{property} [{units.pop()}]", known_levels(truths))
 
 
-def _rows(
-    property: str, ends: Sequence[tuple[FinalBelief, _Ends]], across: str, levels: Sequence[float], is_known: bool
-) -> Plot:
+def _rows(property: str, ends: Sequence[tuple[FinalBelief, _Ends]], across: str, levels: tuple[Level, ...]) -> Plot:
     rows, points = [], []
     for place, (one, end) in enumerate(ends):
         top = ROW * place
@@ -69,7 +69,7 @@ def _rows(
         across=across,
         rows=tuple(rows),
         points=tuple(points),
-        levels=tuple(Level(value, f"true: {number(value)}" if is_known else "") for value in levels),
+        levels=levels,
     )
 
 

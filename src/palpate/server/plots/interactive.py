@@ -148,8 +148,12 @@ def _add_bars(found: figure, source: ColumnDataSource) -> None:
 
 
 def _add_levels(found: figure, plot: Plot, colours: Colours) -> None:
-    places = [one.x for one in plot.levels]
-    found.vspan(x=places, line_color=colours["true"], line_width=2, line_dash="dashed")
+    from bokeh.models import ColumnDataSource
+
+    source = ColumnDataSource({"x": [one.x for one in plot.levels], "told": [shown(one.label) for one in plot.levels]})
+    lines = found.vspan(x="x", source=source, line_color=colours["true"], line_width=2, line_dash="dashed")
+    if any(one.label for one in plot.levels):
+        _hover(found, lines, [("", "@told")])
 
 
 def _hover(found: figure, of: GlyphRenderer[Any], told: list[tuple[str, str]]) -> None:

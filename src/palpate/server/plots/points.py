@@ -10,7 +10,8 @@ import numpy as np
 
 from palpate.errors import plural
 from palpate.server.plots.drawing import number, with_sd
-from palpate.server.plots.plot import Curve, Level, Look, Plot, Point, Row
+from palpate.server.plots.levels import known_levels
+from palpate.server.plots.plot import Curve, Look, Plot, Point, Row
 from palpate.store.visible_results import Result
 
 __all__ = ["points_plot"]
@@ -42,7 +43,8 @@ def points_plot(
         return None
     count = sum(map(len, groups.values()))
     unit = next(iter(groups.values()))[0].unit or ""
-    told = [*truths, *((one.value, "a recording") for one in results if one.ground_truth and one.value is not None)]
+    recorded = [one for one in results if one.ground_truth and one.value is not None]
+    told = [*truths, *((one.value or 0.0, one.owner or "a recording") for one in recorded)]
     rows, means = [], []
     points: list[Point] = []
     top = 0.0
@@ -60,7 +62,7 @@ def points_plot(
         rows=tuple(rows),
         points=tuple(points),
         curves=tuple(means),
-        levels=tuple(Level(value, f"true: {number(value)}") for value, _ in told),
+        levels=known_levels(told),
     )
 
 

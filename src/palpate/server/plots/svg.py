@@ -8,6 +8,7 @@ import numpy as np
 from markupsafe import Markup
 
 from palpate.server.plots.drawing import COLOURS, MOST_OF_ROW, Drawing
+from palpate.server.plots.levels import GAP, LINE, Labelled, in_lines
 from palpate.server.plots.plot import Curve, Look, Numbers, Plot, Point, thinned
 from palpate.server.plots.scale import Scale, spanning
 
@@ -39,11 +40,13 @@ def _curves(plot: Plot) -> Markup:
 
 def _in_rows(plot: Plot) -> Markup:
     height = plot.rows[-1].bottom
-    bottom = TOP_OF_ROWS + height
-    drawing = Drawing(WIDTH, bottom + BOTTOM, plot.title)
     across = spanning(plot.ends_across(), LEFT_OF_ROWS, WIDTH - RIGHT)
-    down = Scale(0.0, height, TOP_OF_ROWS, bottom)
-    drawing.across_axis(across, TOP_OF_ROWS, bottom, plot.across)
+    levels = in_lines(plot.levels, across)
+    top = TOP_OF_ROWS + LINE * max((one.line + 1 for one in levels if one.line is not None), default=0)
+    bottom = top + height
+    drawing = Drawing(WIDTH, bottom + BOTTOM, plot.title)
+    down = Scale(0.0, height, top, bottom)
+    drawing.across_axis(across, top, bottom, plot.across)
     for row in plot.rows:
         middle = down.at((row.top + row.bottom) / 2)
         drawing.text(LEFT_OF_ROWS - 10, middle + (0 if row.note else 4), row.name, "name", "end", MOST_OF_ROW)
@@ -53,11 +56,19 @@ def _in_rows(plot: Plot) -> Markup:
     for point in plot.points:
         _point(drawing, point, across, down)
     _lines(drawing, plot, across, down)
-    for level in plot.levels:
-        drawing.line(across.at(level.x), TOP_OF_ROWS, across.at(level.x), bottom, "truth")
-        if level.label:
-            drawing.text(across.at(level.x) + 4, TOP_OF_ROWS + 8, level.label, "truth-label")
+    for one in levels:
+        _level(drawing, one, across.at(one.level.x), top, bottom)
     return drawing.markup()
+
+
+def _level(drawing: Drawing, one: Labelled, x: float, top: float, bottom: float) -> None:
+    if one.line is None:
+        drawing.line(x, top, x, bottom, "truth", one.level.label)
+        return
+    foot = top - LINE * one.line
+    drawing.line(x, foot - LINE, x, bottom, "truth", one.level.label)
+    aside, anchor = (-GAP, "end") if one.at_left else (GAP, "start")
+    drawing.text(x + aside, foot - GAP, one.level.label, "truth-label", anchor)
 
 
 def _point(drawing: Drawing, point: Point, across: Scale, down: Scale) -> None:
