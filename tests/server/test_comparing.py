@@ -1,6 +1,8 @@
 """The page that compares devices: its colours, and what it says of what it cannot show."""
 
 import re
+from dataclasses import replace
+from uuid import UUID
 
 from fastapi.testclient import TestClient
 
@@ -97,9 +99,31 @@ def test_what_is_not_there_to_compare_is_said(client: TestClient, store: Store) 
     assert "No mass of x/y with a number and a unit was measured that you may see: these are all objects." in page
     assert ">cup</bdi></a>" in page
     page = client.get("/compare?property=nope").text
-    assert "No nope with a number and a unit was measured that you may see." in page
+    assert "No property “nope” with a number and a unit was measured that you may see." in page
+    assert '<option value="" selected disabled>choose one</option>' in page
     assert nothing not in page
+    assert "choose one" not in client.get("/compare?property=mass").text
     assert "No mass of" not in client.get("/compare?property=mass&object=lab/cup").text
+
+
+def test_recordings_that_are_not_there_to_lay_over_each_other_are_said(client: TestClient, store: Store) -> None:
+    """Which, also those of others, and what is shown instead; where nothing was asked for nothing is missing."""
+    own = store.put(measured(1, "left")).id
+    hidden = store.put(replace(measured(2, "left"), visibility="private", owner="ann")).id
+    address, last = "/compare?property=mass&object=lab/cup", "the last one of each device is shown"
+    for missing in (UUID(int=9), hidden):
+        alone = client.get(f"{address}&recording={missing}&recording={missing}").text
+        assert f"No recording {missing} of this object has a mass that you may see: {last}." in alone
+        assert alone.count(" checked>") == 1
+        beside = client.get(f"{address}&recording={missing}&recording={own}").text
+        assert f"No recording {missing} of this object has a mass that you may see." in beside
+    assert f"No recording was chosen: {last}." in client.get(f"{address}&chosen=true").text
+    for fine in (f"{address}&chosen=true&recording={own}", address):
+        assert "No recording" not in client.get(fine).text
+    assert '<input type="hidden" name="chosen" value="true">' in client.get(address).text
+    only = "Recordings are laid over each other of one object"
+    assert only in client.get(f"/compare?property=mass&recording={own}").text
+    assert only not in client.get("/compare?property=mass").text
 
 
 def test_the_table_of_one_object_is_that_of_one_object(client: TestClient, store: Store) -> None:

@@ -19,7 +19,7 @@ from palpate.server.benchmark import Cell, agreements
 from palpate.server.memory import Memory
 from palpate.server.pages.allowance import MOST_NUMBERS
 from palpate.server.pages.colours import colours_of
-from palpate.server.pages.overlays import choices_of, laid_over
+from palpate.server.pages.overlays import Choice, choices_of, laid_over
 from palpate.server.pages.shown import Dark, figure, shown
 from palpate.server.pages.templates import page, search
 from palpate.server.plots.errors import errors_plot
@@ -34,13 +34,17 @@ router = APIRouter(prefix="/compare")
 
 
 class Asked(BaseModel):
-    """Which property; which object, as data set and name with a slash between; which recordings of it."""
+    """Which property; which object, as data set and name with a slash between; which recordings of it.
+
+    `chosen` is there where somebody had the choice: a form tells nothing of boxes that are off.
+    """
 
     model_config = ConfigDict(extra="forbid")
 
     property: Text | None = None
     object: Text | None = None
     recording: list[UUID] = []
+    chosen: bool = False
 
 
 @router.get("")
@@ -73,6 +77,7 @@ def compare(
         thing=thing,
         asked=asked,
         choices=choices,
+        missing=_missing(asked.recording, choices),
         not_drawn=sum(one.ticked and one.colour is None for one in choices),
         laid=laid,
         most_numbers=MOST_NUMBERS,
@@ -81,6 +86,12 @@ def compare(
         if found is None
         else shown(errors_plot(found, colours), search("/compare/plot.json", property=name or "")),
     )
+
+
+def _missing(asked: Sequence[UUID], choices: Sequence[Choice]) -> list[UUID]:
+    """Recordings that are not among the choices, each once."""
+    there = {one.recording for one in choices}
+    return [key for key in dict.fromkeys(asked) if key not in there]
 
 
 @router.get("/plot.json")
