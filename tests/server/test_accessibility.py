@@ -185,7 +185,7 @@ def of_who_is_logged_in(page: Any, place: Place) -> Iterator[str]:
             {"name": "broken.zip", "mimeType": "application/zip", "buffer": b"PK"},
         ]
     )
-    page.get_by_text("hello.txt, 1 KiB").wait_for()
+    page.get_by_text("hello.txt, 5 bytes").wait_for()
     yield "files that were chosen"
     page.get_by_role("button", name="Show what is in them").click()
     page.get_by_role("heading", name="What was understood").wait_for(timeout=60_000)

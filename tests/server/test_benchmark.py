@@ -154,6 +154,9 @@ def test_the_benchmark_is_downloaded_as_it_is_shown(client: TestClient, store: S
         change_thing(store, thing, lambda thing: thing.knowing(Value("mass", 9.0, unit="g"), "a scale"))
     (row,) = client.get("/benchmark/errors.json").json()["items"]
     assert (row["device"], row["known"], row["bias"]) == ("=left", 2, pytest.approx(2.5))
+    page = client.get("/benchmark").text
+    for name in ("known", "bias", "rms", "low", "high"):
+        assert f"<code>{name}</code>" in page
     _, line = client.get("/benchmark/errors.csv").text.splitlines()
     # no spreadsheet takes a name for a formula
     assert line.split(",")[:3] == ["mass", "g", "'=left"]

@@ -223,14 +223,14 @@ def test_upload_a_file_look_at_it_and_keep_it(page: Any, place: tuple[str, str])
             {"name": "broken.json", "mimeType": "application/json", "buffer": b"{"},
         ]
     )
-    page.get_by_text("broken.json, 1 KiB: is no JSON").wait_for()
+    page.get_by_text("broken.json, 1 byte: is no JSON").wait_for()
     page.get_by_role("button", name="Remove broken.json").click()
     page.evaluate(
         "() => { const held = new DataTransfer(); held.items.add(new File(['hello'], 'hello.txt'));"
         " const drop = new DragEvent('drop', {dataTransfer: held, bubbles: true});"
         " document.querySelector('form.drop').dispatchEvent(drop) }"
     )
-    page.get_by_text("hello.txt, 1 KiB").wait_for()
+    page.get_by_text("hello.txt, 5 bytes").wait_for()
     expect(page.locator("ul.chosen li")).to_have_count(2)
     page.get_by_role("button", name="Show what is in them").click()
     page.get_by_role("heading", name="Squeezing of wet sponge").wait_for(timeout=60_000)

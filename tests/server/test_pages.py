@@ -1,6 +1,7 @@
 """Pages show what the store holds, and read without JavaScript."""
 
 import re
+from dataclasses import replace
 from functools import partial
 from html import unescape
 from html.parser import HTMLParser
@@ -16,7 +17,7 @@ from palpate.store.counting import counted
 from palpate.store.describing import change_thing
 from palpate.store.entries import Bound, Distribution, FailedEntry, Interval, Value
 from palpate.store.errors import StoreError
-from palpate.store.records import Device, Recording, Setup, ThingRef
+from palpate.store.records import Device, FileItem, Pose, Recording, Setup, ThingRef
 from palpate.store.store import Store
 from palpate.store.verifying import verify
 from palpate.store.viewing import Viewer
@@ -210,6 +211,16 @@ def test_what_scrolls_in_a_box_is_reached_by_keyboard(client: TestClient, store:
             re.findall(r'href="([^"]*)"', one) for one in re.findall(r"<nav aria-label=.M.*?</nav>", page, re.S)
         )
         assert wide == small
+
+
+def test_one_file_and_a_frame_that_is_not_stated_read_well(client: TestClient, store: Store) -> None:
+    """One is no several, and what is not stated is no name of a frame."""
+    files, pose = (FileItem("a.txt", "text/plain", b"a"),), Pose((0.5, 0.0, 0.25), None, "unstated", {})
+    stated = squeeze(2, visibility="public", object_pose=replace(pose, frame="base"))
+    store.put_many([odd := squeeze(1, visibility="public", files=files, object_pose=pose), stated])
+    assert ": has 1 file, and none at 7" in client.get(f"/api/v1/recordings/{odd.id}/files/7").text
+    assert "<dd>0.5, 0, 0.25 m (frame not stated)</dd>" in client.get(f"/recordings/{odd.id}").text
+    assert "<dd>0.5, 0, 0.25 m in base</dd>" in client.get(f"/recordings/{stated.id}").text
 
 
 def test_errors_are_pages_for_people(client: TestClient) -> None:

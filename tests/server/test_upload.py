@@ -249,6 +249,7 @@ def test_what_is_known_and_what_is_refused_is_told_before(ann: TestClient, store
         },
     )
     assert "1 new recording, 1 known already, <strong>3 refused</strong>" in text
+    assert "<button>Keep</button>" in text
     reasons = fates(text)
     assert "kim" in reasons["of_somebody.zip"]
     assert "elasticity" in reasons["of_other_unit.zip"] or "unit" in reasons["of_other_unit.zip"]
@@ -923,6 +924,8 @@ def test_what_is_known_is_told_to_everybody_who_sees_it(
     public, hidden = store.put_many(there, uploader="kim")
     address, text = send(ann, {"known.zip": package(there[0])})
     assert "0 new recordings, 1 known already." in text
+    assert "Nothing of it is new, so that there is nothing to keep." in text
+    assert "<button>Keep</button>" not in text
     assert f'<a href="/recordings/{public.id}">known already</a>' in text
     kept = ann.post(f"{address}/keep", data={"visibility": "private"}).text
     assert kept.count("was there already") == 1

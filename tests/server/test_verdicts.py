@@ -1,11 +1,13 @@
 """What is known beside what is believed."""
 
+from dataclasses import replace
+
 from palpate.inference.exact import ExactBelief
 from palpate.network.reading import load_network
 from palpate.server.verdicts import verdicts
 from palpate.store.entries import Bound, Distribution, Value
 from palpate.store.things import Known
-from palpate.summary import summarise
+from palpate.summary import CategoricalSummary, summarise
 
 
 def test_what_is_known_is_beside_what_is_believed() -> None:
@@ -27,4 +29,9 @@ def test_what_is_known_is_beside_what_is_believed() -> None:
         "✓",
         "found: inside the 90 % interval",
     )
+    material = belief["material"]
+    assert isinstance(material, CategoricalSummary)
+    other = replace(material, probabilities={**material.probabilities, "glass": 0.55, "ceramic": 0.42})
+    (told,) = verdicts([Known(Distribution("material", {"ceramic": 1.0}), "a person")], {"material": other}).values()
+    assert told.words == "not found: glass is more probable (55%) than ceramic (42%)"
     assert (found["density"].is_found, found["density"].mark) == (False, "✗")

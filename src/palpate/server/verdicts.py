@@ -57,9 +57,11 @@ def _of_state(state: str, source: str, believed: CategoricalSummary) -> Verdict 
     if state not in believed.probabilities:
         return None
     best = max(believed.probabilities, key=lambda one: believed.probabilities[one])
-    share = f"{believed.probabilities[state]:.0%}"
+    share, of_best = f"{believed.probabilities[state]:.0%}", f"{believed.probabilities[best]:.0%}"
     words = (
-        f"found: the most probable, {share}" if best == state else f"not found: {best} is more probable than {share}"
+        f"found: the most probable, {share}"
+        if best == state
+        else f"not found: {best} is more probable ({of_best}) than {state} ({share})"
     )
     return Verdict(state, source, best == state, words)
 

@@ -7,6 +7,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
 
+from palpate.errors import plural
 from palpate.server.api import plain
 from palpate.server.api.answers import answer, page
 from palpate.server.api.downloads import stored_download
@@ -39,6 +40,6 @@ def get_object(thing: SeenThing) -> Response:
 def get_image(request: Request, thing: SeenThing, position: Place) -> Response:
     """A picture of it."""
     if position >= len(thing.images):
-        raise problem(404, f"object {thing.path}: has {len(thing.images)} images, and none at {position}")
+        raise problem(404, f"object {thing.path}: has {plural(len(thing.images), 'image')}, and none at {position}")
     image = thing.images[position]
     return stored_download(request, image.name, image.media_type, image.sha256)

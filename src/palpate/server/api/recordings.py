@@ -11,6 +11,7 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import PlainTextResponse, Response, StreamingResponse
 from starlette.datastructures import UploadFile
 
+from palpate.errors import plural
 from palpate.server.api import plain
 from palpate.server.api.answers import answer, page
 from palpate.server.api.downloads import stored_download
@@ -76,7 +77,7 @@ def get_file(request: Request, head: SeenRecording, position: Place) -> Response
     A server whose files are in a bucket may send one there.
     """
     if position >= len(head.files):
-        raise problem(404, f"recording {head.id}: has {len(head.files)} files, and none at {position}")
+        raise problem(404, f"recording {head.id}: has {plural(len(head.files), 'file')}, and none at {position}")
     item = head.files[position]
     return stored_download(request, item.name, item.media_type, item.sha256)
 

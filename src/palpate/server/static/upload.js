@@ -3,7 +3,10 @@ const KNOWN = [".zip", ".json", ".csv", ".tsv", ".toml", ".mcap", ".db3", ".bag"
 const LARGEST_PARSED = 32 << 20;
 
 const ending = (name) => (name.includes(".") ? name.slice(name.lastIndexOf(".")).toLowerCase() : "");
-const readable = (bytes) => (bytes < 1 << 20 ? `${Math.ceil(bytes / 1024)} KiB` : `${(bytes / (1 << 20)).toFixed(1)} MiB`);
+function readable(bytes) {
+  if (bytes < 1024) return bytes === 1 ? "1 byte" : `${bytes} bytes`;
+  return bytes < 1 << 20 ? `${Math.ceil(bytes / 1024)} KiB` : `${(bytes / (1 << 20)).toFixed(1)} MiB`;
+}
 
 // What will be said of a file; nothing where nothing is wrong as far as can be told here.
 async function remark(file, names) {
