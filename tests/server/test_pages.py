@@ -3,7 +3,7 @@
 import re
 from dataclasses import replace
 from functools import partial
-from html import unescape
+from html import escape, unescape
 from html.parser import HTMLParser
 from typing import Any
 from urllib.parse import quote
@@ -361,6 +361,40 @@ def test_recordings_are_found_by_a_part_of_the_name_of_their_object(client: Test
     for asked in ("object=cup3", "object=no+such", "object=lab/cup&action=knocking", "object=cup2&action=knocking"):
         none = client.get(f"/recordings?{asked}")
         assert (none.status_code, "No recording fits" in none.text) == (200, True), asked
+
+
+def choices_of(text: str, name: str) -> list[tuple[str, bool]]:
+    """What a page offers to choose of, and whether it is chosen."""
+    (found,) = re.findall(rf'<select name="{name}">(.*?)</select>', text)
+    options = re.findall(r'<option(?: value="([^"]*)")?( selected)?>', found)
+    return [(unescape(value), bool(selected)) for value, selected in options]
+
+
+def test_recordings_are_filtered_by_what_is_seen_of_them(client: TestClient, store: Store) -> None:
+    """Actions, properties and grippers are chosen of those that are seen; what is none stays asked, and says so."""
+    hidden = Setup(gripper=Device("gripper", "secret hand"))
+    weighed = replace(squeeze(1), action="weighing", entries=(Value("mass", 3.0, 1.0, "g"),))
+    store.put_many([squeeze(0, visibility="public"), replace(weighed, visibility="public")])
+    secret = (Value("secrecy", 3.0, 1.0, "g"),)
+    store.put(squeeze(2, action="hiding", setup=hidden, entries=secret, visibility="private", owner="ann"))
+    seen = {"action": ["", "squeezing", "weighing"], "property": ["", "elasticity", "mass"]}
+    seen["gripper"] = ["", "two_finger"]
+    unseen = {"action": "hiding", "property": "secrecy", "gripper": "secret hand"}
+    public, host = client.get("/recordings").text, client.get("/recordings", headers=HOST).text
+    for name, expected in seen.items():
+        assert [value for value, _ in choices_of(public, name)] == expected, name
+        assert sorted(value for value, _ in choices_of(host, name)) == sorted([*expected, unseen[name]]), name
+        for asked in expected[1:]:
+            text = client.get("/recordings", params={name: asked}).text
+            assert [value for value, selected in choices_of(text, name) if selected] == [asked]
+            assert text.count("<tr>") > 1
+        for asked in (unseen[name], "no <such>"):
+            text = client.get("/recordings", params={name: asked}).text
+            assert (asked, True) in choices_of(text, name)
+            assert f"{escape(asked)} (none)" in text
+            assert "No recording fits" in text
+    text = client.get("/objects?gripper=secret+hand").text
+    assert ("secret hand", True) in choices_of(text, "gripper")
 
 
 def test_bars_of_labels_say_what_they_count(client: TestClient, store: Store) -> None:

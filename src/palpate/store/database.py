@@ -37,7 +37,7 @@ __all__ = [
     "writing",
 ]
 
-LATEST = "0007"
+LATEST = "0008"
 MIGRATIONS = Path(__file__).parent / "migrations"
 WAIT_S = 30
 PAGE_BYTES = 16384

@@ -167,6 +167,9 @@ recordings = Table(
     # with all that says who sees a recording, so that those that somebody sees are counted without reading them
     Index("ix_recordings_of_thing", "thing_id", "recorded_us", "id", *SEEN_BY),
     Index("ix_recordings_of_setup", "setup_id", "recorded_us", "id", *SEEN_BY),
+    # to go from one action to the next; did it begin with them, SQLite would read and sort all recordings of a common
+    # one where a few of them are asked for
+    Index("ix_recordings_of_action", "ground_truth", "action", *SEEN_BY),
     Index(None, "gripper", "recorded_us", "id"),
     _where("owner IS NOT NULL", "owner", "recorded_us", "id"),
     _where("description_id IS NOT NULL", "description_id", *SEEN_BY, name="ix_recordings_of_description"),

@@ -1,11 +1,11 @@
-"""Devices, setups and properties that somebody may see, because a recording is seen that was made with them."""
+"""Actions, devices, setups and properties that somebody may see, because a recording of theirs is seen."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass
 
-from sqlalchemy import CTE, Select, exists, func, select
+from sqlalchemy import CTE, Select, Table, exists, func, select
 
 from palpate.store import schema
 from palpate.store.fetching import setup_of
@@ -22,6 +22,7 @@ __all__ = [
     "SeenSetup",
     "gripper_names",
     "result_counts",
+    "seen_actions",
     "seen_devices",
     "seen_grippers",
     "seen_properties",
@@ -54,6 +55,19 @@ class SeenProperty:
 
     name: str
     unit: str | None
+
+
+def seen_actions(store: Store, viewer: Viewer) -> tuple[str, ...]:
+    """All actions of which a recording is seen, by name; the first that is seen is enough to know."""
+    found, recordings = set[str | None](), schema.recordings
+    with reading(store.engine) as connection:
+        # the index of actions begins with this
+        for known in (False, True):
+            is_known = recordings.c.ground_truth == known
+            names = _each_value(recordings, "action", ground_truth=known)
+            is_seen = exists().where(is_known, recordings.c.action == names.c.value, viewer.of(recordings))
+            found.update(connection.scalars(select(names).where(is_seen)))
+    return tuple(sorted(name for name in found if name is not None))
 
 
 def seen_setups(store: Store, viewer: Viewer, digest: bytes | None = None) -> tuple[SeenSetup, ...]:
@@ -103,11 +117,11 @@ def gripper_names(viewer: Viewer) -> Select[str]:
 
 def seen_properties(store: Store, viewer: Viewer) -> tuple[SeenProperty, ...]:
     """All properties of which a result is seen, by name; the first that is seen is enough to know."""
-    names, entries, recordings = _property_names(), schema.entries.c, schema.recordings
-    asked = select(names).where(names.c.name.is_not(None))
+    names, entries, recordings = _each_value(schema.entries, "property"), schema.entries.c, schema.recordings
+    asked = select(names).where(names.c.value.is_not(None))
     if not viewer.everything:
         result = entries.property.table.join(recordings, recordings.c.id == entries.recording_id)
-        is_seen = exists().select_from(result).where(entries.property == names.c.name, viewer.of(recordings))
+        is_seen = exists().select_from(result).where(entries.property == names.c.value, viewer.of(recordings))
         asked = asked.where(is_seen)
     with reading(store.engine) as connection:
         units = deciding_units(connection)
@@ -125,13 +139,16 @@ def result_counts(store: Store, viewer: Viewer) -> dict[str, int]:
         return {name: count for name, count in connection.execute(asked) if name is not None}
 
 
-def _property_names() -> CTE:
-    """Each property of a result, by going from one to the next in the index and not through all results."""
-    entries = schema.entries.alias("following").c
-    first = select(func.min(schema.entries.c.property).label("name"))
-    names = first.cte("names", recursive=True)
-    following = select(func.min(entries.property)).where(entries.property > names.c.name).scalar_subquery()
-    return names.union_all(select(following).where(names.c.name.is_not(None)))
+def _each_value(table: Table, column: str, **same: object) -> CTE:
+    """Each value of a column, by going from one to the next in an index; `same`: what stands before it there."""
+    following = table.alias("following").c
+    first = select(func.min(table.c[column]).label("value")).where(
+        *(table.c[name] == one for name, one in same.items())
+    )
+    values = first.cte("every_value", recursive=True)
+    next_ = select(func.min(following[column])).where(*(following[name] == one for name, one in same.items()))
+    next_ = next_.where(following[column] > values.c.value)
+    return values.union_all(select(next_.scalar_subquery()).where(values.c.value.is_not(None)))
 
 
 def _device(digest: bytes, document: str) -> Device:
