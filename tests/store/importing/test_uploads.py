@@ -233,3 +233,22 @@ def test_mutated_files_leave_a_store_that_verifies(changes: list[tuple[tuple[str
         assert len(fates) == 3
         assert Fate.NEW in fates
         assert list(verify(store)) == []
+
+
+def test_a_file_that_is_named_about_so_is_refused_with_the_form(tmp_path: Path) -> None:
+    """What begins and ends like an upload dictionary is meant to be one: the right form is told, with an example."""
+    given = upload(tmp_path, "elasticity_0", number("elasticity", mean=42.0, std=4.5, units="kPa"), GRIP)
+    names = ("upload_dict_1.json", "upload_dict_20240501T120000_0_0.json", "upload_dict.json", "Upload_Dict_a.JSON")
+    for name in names:
+        (tmp_path / name).write_bytes(given.read_bytes())
+    digits = tmp_path / "upload_dict_20240501120000_elasticity_0.json"
+    given.rename(digits)
+    with open_store(tmp_path / "store.sqlite", tmp_path / "blobs", durable=False) as store:
+        found = {Path(one.source).name: one for one in import_paths(store, [tmp_path], [UploadDictionaries()])}
+    for name in names:
+        assert found[name].fate is Fate.REFUSED
+        reason = found[name].reason or ""
+        assert "upload_dict_<time>_<entry>_<number>.json" in reason
+        assert "year_month_day_hour_minute_second" in reason
+        assert "upload_dict_2024_05_01_12_00_00_elasticity_0.json" in reason
+    assert "expected year_month_day_hour_minute_second" in (found[digits.name].reason or "")

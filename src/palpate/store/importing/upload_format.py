@@ -16,12 +16,16 @@ from palpate.errors import LogError
 from palpate.store.errors import StoreError
 from palpate.store.importing.json_text import read_json
 
-__all__ = ["AS_PUBLISHED", "FILE_NAME", "FORM", "Conventions", "UploadDictionary", "files_in"]
+__all__ = ["AS_PUBLISHED", "FILE_NAME", "FORM", "NAMED_SO", "TIME", "Conventions", "UploadDictionary", "files_in"]
 
 FILE_NAME = re.compile(r"upload_dict_(?P<time>[\d_]*\d)_(?P<name>[^\d_].*)\.json")
 
 FORM = "upload_dict_<time>_<entry>_<number>.json"
 """The form of the files' names, for people."""
+TIME = "%Y_%m_%d_%H_%M_%S"
+EXAMPLE = "upload_dict_2024_05_01_12_00_00_elasticity_0.json"
+NAMED_SO = re.compile(r"upload_dict.*\.json", re.IGNORECASE)
+"""Names by which a file is meant to be one, whether or not they are of the form."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +90,8 @@ class UploadDictionary:
         """Read a file; LogError if its name has another form than `FILE_NAME`, or it is no JSON."""
         match = FILE_NAME.fullmatch(path.name)
         if not match:
-            raise LogError(f"{path}: a name of the form {FORM} was expected, as it tells the entry and the time")
+            told = "as it tells the entry and, as year_month_day_hour_minute_second, the time"
+            raise LogError(f"{path}: a name of the form {FORM} was expected, such as {EXAMPLE}, {told}")
         try:
             content = read_json(path)
         except StoreError as error:

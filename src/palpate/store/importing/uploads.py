@@ -17,7 +17,7 @@ from palpate.store.importing.json_text import finite
 from palpate.store.importing.measurement_parts import grasp_of, pose_of, series_of, setup_of, thing_of
 from palpate.store.importing.paths import inside, media_type_of
 from palpate.store.importing.upload_entries import entries_in
-from palpate.store.importing.upload_format import AS_PUBLISHED, FILE_NAME, Conventions, UploadDictionary
+from palpate.store.importing.upload_format import AS_PUBLISHED, NAMED_SO, TIME, Conventions, UploadDictionary
 from palpate.store.records import FileItem, Recording
 
 __all__ = ["UploadDictionaries", "measurement_of", "read_upload"]
@@ -36,8 +36,8 @@ class UploadDictionaries:
         self.conventions = conventions
 
     def owns(self, path: Path) -> bool:
-        """Tell whether the name is of their form."""
-        return FILE_NAME.fullmatch(path.name) is not None and path.is_file()
+        """Tell whether the name begins and ends like theirs; one that is of another form is refused."""
+        return NAMED_SO.fullmatch(path.name) is not None and path.is_file()
 
     def count(self, path: Path) -> int:
         """One."""
@@ -113,7 +113,7 @@ def measurement_of(
 
 def _moment(dictionary: UploadDictionary, notices: list[str]) -> datetime:
     try:
-        moment = datetime.strptime(dictionary.time, "%Y_%m_%d_%H_%M_%S").replace(tzinfo=UTC)
+        moment = datetime.strptime(dictionary.time, TIME).replace(tzinfo=UTC)
     except ValueError:
         found = f"the time in the name is {dictionary.time!r}"
         raise LogError(f"{dictionary.file}: {found}, expected year_month_day_hour_minute_second") from None
