@@ -445,6 +445,19 @@ def test_what_should_be_json_and_is_none_is_told(ann: TestClient) -> None:
     assert reasons["fine.json"] == "of no format that palpate knows"
 
 
+@pytest.mark.parametrize("wrong", [COLUMNS.replace(b"kPa", b"blorp"), b"columns = [", b"\xff"])
+def test_files_whose_map_is_wrong_are_not_told_to_send_one(ann: TestClient, wrong: bytes) -> None:
+    """A CSV beside a column map that is refused says so; where only a map of topics is wrong, none was sent for it."""
+    files = {"one.csv": b"position,force,E\n1,2,3\n", "run.mcap": b"\x89MCAP0\r\n", "map.toml": wrong}
+    reasons = fates(send(ann, files)[1])
+    assert reasons["one.csv"] == "is CSV, and what its columns mean is not known, as map.toml is refused"
+    assert "map.toml" in reasons
+    assert ("send a map of topics" in reasons["run.mcap"]) is (b"action" in wrong)
+    reasons = fates(send(ann, {**files, "map.toml": b"[topics]\nx = 1\n"})[1])
+    assert "send a column map" in reasons["one.csv"]
+    assert reasons["run.mcap"] == "is a bag, and what its topics become is not known, as map.toml is refused"
+
+
 def test_bombs_and_names_that_lead_elsewhere_are_refused(ann: TestClient, tmp_path: Path) -> None:
     """The others of the upload are still shown, and nothing lies outside the folder of the preview."""
     deep = json.dumps(UPLOADED).replace("null", "[" * 100_000 + "]" * 100_000).encode()

@@ -8,29 +8,23 @@ from __future__ import annotations
 
 import json
 import sys
-import tomllib
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from palpate.errors import PalpateError
 from palpate.server.receiving import wrong_owner
 from palpate.server.security.accounts import Account, Role
 from palpate.server.uploading.archives import EpisodeOutcome, more_of
 from palpate.server.uploading.limits import limit_process
+from palpate.server.uploading.maps import Maps
 from palpate.server.uploading.preview import FOUND, OF_OTHERS, TASK, Preview
 from palpate.store.errors import StoreError
-from palpate.store.importing import squeezes
-from palpate.store.importing.bags import format
-from palpate.store.importing.bags.reading_topics import read_topic_map
-from palpate.store.importing.bags.topics import TopicMap
-from palpate.store.importing.columns import ColumnMap
 from palpate.store.importing.finding import UNKNOWN
 from palpate.store.importing.formats import all_formats
 from palpate.store.importing.intake import import_paths
 from palpate.store.importing.items import Fate, Format, HoldsMore, Item, Outcome
-from palpate.store.importing.reading_columns import read_columns
 from palpate.store.opening import open_store
 from palpate.store.records import Recording
 from palpate.store.store import Store
@@ -39,11 +33,6 @@ from palpate.store.units import take_units
 __all__ = ["main"]
 
 MOST_ITEMS = 5_000
-FOR_FORMS = {
-    squeezes.UNMAPPED: "is CSV, and nothing says what its columns mean: send a column map (.toml) with it",
-    format.UNMAPPED: "is a bag, and nothing says what its topics become: send a map of topics (.toml) with it",
-}
-"""Sentences that speak of the command line."""
 
 
 class Theirs:
@@ -78,39 +67,17 @@ def _read(item: Item) -> Recording:
         raise StoreError("holds more, or larger numbers, than can be read here") from None
 
 
-def _maps(sent: Path) -> tuple[ColumnMap | None, TopicMap | None, list[Outcome]]:
-    """What TOML files beside the others say of columns and of topics, and those that say neither."""
-    columns, topics, refused = None, None, list[Outcome]()
-    for path in sorted(sent.glob("*.toml")):
-        aside = sent.parent / path.name
-        path.rename(aside)
-        try:
-            plain = tomllib.loads(aside.read_text(encoding="utf-8"))
-            if "topics" in plain and topics is None:
-                topics = read_topic_map(aside)
-            elif "topics" not in plain and columns is None:
-                columns = read_columns(aside)
-            else:
-                raise StoreError(
-                    "is a second map of its kind, expected one: upload the files of the other by themselves"
-                )
-        except (PalpateError, OSError, ValueError, RecursionError) as error:
-            reason = str(error).removeprefix(f"{aside}: ").replace(str(aside), path.name)
-            refused.append(Outcome(str(path), Fate.REFUSED, reason))
-    return columns, topics, refused
-
-
 def _read_all(preview: Preview, task: dict[str, Any], who: Account) -> Iterator[Outcome]:
-    columns, topics, refused = _maps(preview.sent)
-    yield from refused
-    formats = [Theirs(one, who) for one in all_formats(columns, topics)]
+    maps = Maps.taken_from(preview.sent)
+    yield from maps.refused
+    formats = [Theirs(one, who) for one in all_formats(maps.columns, maps.topics)]
     with open_store(preview.place, preview.blobs, durable=False) as store:
         take_units(store, task["units"])
         for count, outcome in enumerate(import_paths(store, [preview.sent], formats)):
             if count >= MOST_ITEMS:
                 yield Outcome("more", Fate.REFUSED, f"more than {MOST_ITEMS} items, expected fewer in one upload")
                 return
-            yield _looked_into(outcome)
+            yield _looked_into(replace(outcome, reason=maps.told(outcome.reason)))
 
 
 def _looked_into(outcome: Outcome) -> Outcome:
@@ -125,8 +92,7 @@ def _looked_into(outcome: Outcome) -> Outcome:
 
 
 def _plain(outcome: Outcome, hidden: str, who: Account) -> dict[str, Any]:
-    reason = FOR_FORMS.get(outcome.reason or "", outcome.reason)
-    reason = None if reason is None else " ".join(reason.replace(f"{hidden}/", "").split())
+    reason = None if outcome.reason is None else " ".join(outcome.reason.replace(f"{hidden}/", "").split())
     digest = None if outcome.recording is None or outcome.fate is Fate.REFUSED else outcome.recording.digest
     source = outcome.source.removeprefix(f"{hidden}/").removeprefix(hidden)
     episode = outcome.plain() if isinstance(outcome, EpisodeOutcome) else None
