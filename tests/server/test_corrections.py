@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from html import unescape
 from typing import Any
 
 import pytest
@@ -249,6 +250,47 @@ def test_by_forms(client: TestClient, store: Store) -> None:
     assert client.patch(f"{API}/lab/cup", json={"maker": "x"}, headers=foreign).status_code == 403
     assert client.patch(f"{API}/lab/cup", json={"maker": "x"}, headers={"Cookie": host["Cookie"]}).status_code == 403
     assert client.patch(f"{API}/lab/cup", json={"maker": "x"}, headers=host).status_code == 200
+
+
+def test_what_is_not_there_cannot_be_taken_away(client: TestClient, store: Store, token: Token) -> None:
+    """Forgetting what nobody says, or another source, is refused with what there is; nothing is noted."""
+    carl, page = token("carl", Role.CURATOR), "/objects/lab/cup/edit"
+    form = {"Cookie": f'palpate-key="{KEY}"', "Origin": "http://testserver"}
+    known = f"{API}/lab/cup/known"
+    none = client.delete(f"{known}?property=nothing", headers=carl)
+    assert (none.status_code, none.json()["detail"]) == (
+        422,
+        "property: nothing is known of 'nothing'; nothing is known of this object",
+    )
+    client.put(known, json={"entry": MASS, "source": "our scale"}, headers=carl)
+    notes = len(history(store, CUP))
+    for asked, told in (
+        ({"property": "nothing"}, "property: nothing is known of 'nothing'; choose from 'mass'"),
+        ({"property": "mass", "source": "nobody"}, "source: 'nobody' says nothing of 'mass'; choose from 'our scale'"),
+    ):
+        found = client.delete(known, params=asked, headers=carl)
+        assert (found.status_code, found.json()["detail"]) == (422, told)
+        sent = client.post(page, data={"do": "forget", **asked}, headers=form, follow_redirects=False)
+        assert (sent.status_code, told in unescape(sent.text)) == (422, True)
+    assert len(history(store, CUP)) == notes
+    assert client.delete(known, params={"property": "mass", "source": "our scale"}, headers=carl).status_code == 200
+    again = {"do": "forget", "property": "mass", "source": "our scale"}
+    assert client.post(page, data=again, headers=form, follow_redirects=False).status_code == 422
+
+
+@pytest.mark.parametrize("into", ["nothing", "", "lab/", "/cup"])
+def test_what_names_no_object_cannot_be_merged_into(client: TestClient, token: Token, into: str) -> None:
+    """The form says that data set and name are wanted, and what was found; the service too."""
+    form = {"Cookie": f'palpate-key="{KEY}"', "Origin": "http://testserver"}
+    sent = client.post("/objects/lab/cup/edit", data={"do": "merge", "into": into}, headers=form)
+    assert sent.status_code == 422
+    told = f"Data set and name of the other one: found {into!r}, expected DATASET/NAME, such as ycb/025_mug"
+    assert told in unescape(sent.text)
+    dataset, _, name = into.partition("/")
+    carl = token("carl", Role.CURATOR)
+    asked = client.post(f"{API}/lab/cup/merge", json={"dataset": dataset, "name": name}, headers=carl)
+    assert asked.status_code == 422
+    assert "body." in asked.text
 
 
 def test_a_page_tells_what_would_be_taken_back(client: TestClient, token: Token) -> None:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from palpate.errors import choices
 from palpate.server.plausible import check_plausible
 from palpate.server.problems import problem, problem_of_store
 from palpate.server.security.accounts import Account, Role
@@ -62,8 +63,15 @@ class Corrections:
         self._change(lambda thing: thing.knowing(entry, source))
 
     def forget(self, property: str, source: str | None) -> None:
-        """Tell no longer what a source, or any source, says of a property."""
-        self._change(lambda thing: thing.without(property, source))
+        """Tell no longer what a source, or any source, says of a property; where none does, that is refused."""
+
+        def without(thing: Thing) -> Thing:
+            left = thing.without(property, source)
+            if left.known == thing.known:
+                raise StoreError(_none_known(thing, property, source))
+            return left
+
+        self._change(without)
 
     def merge(self, dataset: str, name: str, *, shows_name: bool = False) -> ThingRef:
         """Let it count as another one, which is given back.
@@ -111,3 +119,13 @@ class Corrections:
             whose = "for curators to change, or for who owns all recordings of it and alone has described it"
             told = f"object {thing.dataset}/{thing.id}: is {whose}"
             raise problem(403, told)
+
+
+def _none_known(thing: Thing, property: str, source: str | None) -> str:
+    """Why nothing is forgotten, and what could be."""
+    of = [one for one in thing.known if one.entry.property == property]
+    if of:
+        return f"source: {source!r} says nothing of {property!r}; {choices(one.source for one in of)}"
+    names = dict.fromkeys(one.entry.property for one in thing.known if one.entry.property is not None)
+    told = choices(names) if names else "nothing is known of this object"
+    return f"property: nothing is known of {property!r}; {told}"

@@ -22,6 +22,7 @@ from palpate.store.entries import Entry
 __all__ = ["router"]
 
 router = APIRouter(prefix="/objects/{dataset}/{name}", tags=["objects"])
+Named = Annotated[Text, Field(min_length=1)]
 Owner = Annotated[Account, Depends(needs(Role.OWNER))]
 
 
@@ -51,8 +52,8 @@ class Forgotten(models.Strict):
 class Into(models.Strict):
     """The object that another one counts as from now on; and whether others may learn its name by that."""
 
-    dataset: Text
-    name: Text
+    dataset: Named
+    name: Named
     shows_name: bool = False
 
 

@@ -95,7 +95,10 @@ def _forget(corrections: Corrections, fields: Fields) -> None:
 
 
 def _merge(corrections: Corrections, fields: Fields) -> None:
-    dataset, _, name = fields.get("into", "").partition("/")
+    into = fields.get("into", "")
+    dataset, _, name = into.partition("/")
+    if not dataset or not name:
+        raise problem(422, f"into: found {into[:80]!r}, expected DATASET/NAME, such as ycb/025_mug")
     corrections.merge(dataset, name, shows_name=fields.get("shows_name") == "yes")
 
 

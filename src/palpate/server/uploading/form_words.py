@@ -26,6 +26,7 @@ FIELDS: Mapping[str, str] = {
     "setup.camera.name": "Device",
     "setup.microphone.name": "Device",
     "visibility": "Who may see it",
+    "into": "Data set and name of the other one",
     "shows_name": "Others may learn its name",
     "until": "But not before",
     "embargoed_until": "But not before",
