@@ -243,3 +243,26 @@ def test_a_place_is_given_back_where_an_answer_fails(path: str) -> None:
                 await asked(app, path, "10.0.0.1")
 
     asyncio.run(ask_all())
+
+
+def test_headers_that_are_too_large_are_refused_however_they_come(tmp_path: Path) -> None:
+    """Sent at once, in one header or in many or in the address, as in parts; a little less is answered."""
+    rest, many = b"Host: 127.0.0.1\r\n", b"".join(b"X-%d: %s\r\n" % (number, b"a" * 90) for number in range(400))
+    with served(tmp_path / "store.sqlite") as (address, _):
+        for size in (40_000, 70_000):
+            one = b"GET /health HTTP/1.1\r\n" + rest + b"X-Long: " + b"a" * size + b"\r\n\r\n"
+            assert answered(address, one) == 400
+            assert answered(address, one[:9_000], one[9_000:34_000], one[34_000:]) == 400
+        assert answered(address, b"GET /health HTTP/1.1\r\n" + rest + many + b"\r\n") == 400
+        assert answered(address, b"GET /health?" + b"a" * 40_000 + b" HTTP/1.1\r\n" + rest + b"\r\n") == 400
+        assert answered(address, b"GET /health HTTP/1.1\r\n" + rest + b"X-Long: " + b"a" * 32_000 + b"\r\n\r\n") == 200
+
+
+def answered(address: str, *parts: bytes) -> int:
+    """The status of the answer to what is sent part by part."""
+    place = urlsplit(address)
+    with socket.create_connection(("127.0.0.1", place.port or 0), timeout=10) as one:
+        for part in parts:
+            one.sendall(part)
+            time.sleep(0.2 if len(parts) > 1 else 0)
+        return int(one.recv(1000).split()[1])

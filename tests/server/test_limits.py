@@ -6,7 +6,7 @@ from pathlib import Path
 from palpate.server import app, batches, explorations, receiving, running, state
 from palpate.server.api import queries, recordings, series
 from palpate.server.pages import allowance, signals
-from palpate.server.security import askers, bodies, connections, places, rooms
+from palpate.server.security import askers, bodies, connections, places, request_heads, rooms
 from palpate.server.security.addresses import IPV6_BITS
 from palpate.server.security.tries import Tries
 from palpate.server.settings import Settings
@@ -38,7 +38,7 @@ def test_the_table_of_limits_is_that_of_the_program() -> None:
         f"{places.MOST_WATCHERS}; {places.MOST_WATCHERS_OF_A_NETWORK}",
         f"{rooms.LONGEST_WAIT_S:g} s; {rooms.SHORTEST_WAIT_S:g} s where its address has all it may; "
         f"{rooms.CROWDED_WAIT_S:g} s where it has ten times the places of the one that comes",
-        size(running.LARGEST_HEADERS_BYTES),
+        size(request_heads.LARGEST_HEADERS_BYTES),
         f"{2 * connections.HELD_S:g} s; {running.KEEP_ALIVE_S} s",
         f"{size(bodies.LEAST_BYTES_PER_S)}/s at least",
         f"{connections.IDLE_LOOKS * connections.HELD_S:g} s",

@@ -27,6 +27,7 @@ from palpate.server.security.headers import SecurityHeaders
 from palpate.server.security.hosts import KnownHosts
 from palpate.server.security.places import Places
 from palpate.server.security.rates import Rate, RateLimit
+from palpate.server.security.request_heads import HeadLimit
 from palpate.server.settings import Settings
 from palpate.server.state import State
 from palpate.server.uploading.previews import Previews
@@ -117,6 +118,7 @@ def _middleware(settings: Settings) -> list[Middleware]:
         Middleware(watching.Watching),
         Middleware(HeadAsGet),
         Middleware(SecurityHeaders, secure=settings.secure),
+        Middleware(HeadLimit),
         Middleware(KnownHosts, hosts=settings.hosts),
     ]
     if settings.requests_per_s is not None:

@@ -18,6 +18,7 @@ import uvicorn
 
 from palpate.errors import PalpateError
 from palpate.server.security.connections import MindedConnection
+from palpate.server.security.request_heads import LARGEST_HEADERS_BYTES
 from palpate.server.settings import Settings
 
 __all__ = ["Address", "PublicAddress", "local_key", "serve"]
@@ -25,7 +26,6 @@ __all__ = ["Address", "PublicAddress", "local_key", "serve"]
 LOCAL_NAMES = ("127.0.0.1", "localhost", "[::1]")
 HOST = re.compile(r"[a-z0-9]([a-z0-9.-]*[a-z0-9])?|[0-9a-f:.]+")
 KEEP_ALIVE_S = 10
-LARGEST_HEADERS_BYTES = 32 << 10
 GRACE_S = 20
 """How long answers may take that are under way when the server is told to stop."""
 FILES = 8192
