@@ -223,6 +223,9 @@ def test_administrators_have_all_accounts(ann: TestClient, store: Store) -> None
     assert (status, knows_password(store, "bob", password)) == (200, True)
     assert password not in root.get("/users").text
     assert send(root, "/users", do="add", name="bob", role="reader")[0] == 422
+    for email in ("notmail", "two words@lab.example", "@lab.example", "carl@"):
+        status, told = send(root, "/users", do="add", name="carl", role="reader", email=email)
+        assert (status, "expected an address such as ann@lab.example" in told) == (422, True)
     assert send(root, "/users", do="role", name="bob", role="curator")[0] == 303
     assert send(root, "/users", do="role", name="root", role="reader")[0] == 422
     assert {one.name: one.role for one in users(store)} == {"ann": "owner", "bob": "curator", "root": "admin"}

@@ -189,6 +189,24 @@ def test_a_filter_of_one_value_is_given_once(client: TestClient, address: str) -
     assert (page.status_code, "owner: is given 2 times, expected once" in page.text) == (422, True)
 
 
+@pytest.mark.parametrize(
+    "address",
+    ["recordings", "recordings/{key}", "recordings/{key}/files", "objects/made_up/object0", "properties", "setups"],
+)
+def test_a_parameter_that_is_not_known_is_refused_everywhere(client: TestClient, store: Store, address: str) -> None:
+    """One item is asked for as a list is: what would be passed over is named; what is known, or empty, is not."""
+    key = store.put(public()).id
+    place = f"{API}/{address.format(key=key)}"
+    assert client.get(place).status_code == 200
+    assert client.get(f"{place}?sorce=").status_code == 200
+    refused = client.get(f"{place}?sorce=a&key={key}")
+    assert (refused.status_code, refused.json()["errors"][0]["field"]) == (422, "query.sorce")
+    assert "query.sorce: is not known here, leave it out" in refused.json()["detail"]
+    whole = client.get(f"{API}/recordings/{key}?fields=id")
+    assert (whole.status_code, whole.json()["detail"]) == (422, "query.fields: is not known here, leave it out")
+    assert client.get(f"{API}/recordings/{key}/series/0?format=csv").status_code == 200
+
+
 def test_what_may_be_given_several_times_is_what_lists_are(client: TestClient) -> None:
     """The document says which parameters of the service are lists, and no other may be repeated."""
     paths = client.get(f"{API}/openapi.json").json()["paths"]

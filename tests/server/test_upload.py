@@ -646,6 +646,10 @@ def test_a_typed_measurement(ann: TestClient, store: Store) -> None:
         ({"unit": ""}, "Unit: is missing"),
         ({"property": "elasticity"}, "Unit: unit &#39;g&#39; is mass; expected pressure, as &#39;Pa&#39;"),
         ({"object": ""}, "Object: is empty"),
+        (
+            {"kind": "toaster"},
+            "Kind of device: found &#39;toaster&#39;; choose from &#39;other&#39;, &#39;gripper&#39;",
+        ),
         ({"property": "material", "value": "5", "unit": "", "sd": ""}, "material is a label"),
     ):
         assert told in ann.post("/upload/one", data={**given, **wrong}).text

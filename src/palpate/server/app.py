@@ -30,6 +30,7 @@ from palpate.server.security.rates import Rate, RateLimit
 from palpate.server.security.request_heads import HeadLimit
 from palpate.server.settings import Settings
 from palpate.server.state import State
+from palpate.server.unknown_parameters import check_known
 from palpate.server.uploading.previews import Previews
 from palpate.store.opening import open_store
 from palpate.store.store import Store
@@ -83,7 +84,7 @@ def application(store: Store, settings: Settings | None = None) -> FastAPI:
     app.state.palpate = State(store, settings, previews, settings.provider())
     install(app)
     app.include_router(watching.router)
-    service = APIRouter(prefix=API, responses=PROBLEMS)
+    service = APIRouter(prefix=API, responses=PROBLEMS, dependencies=[Depends(check_known)])
     for part in PARTS:
         service.include_router(part.router)
     app.include_router(service)

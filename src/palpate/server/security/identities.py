@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -18,6 +19,7 @@ from palpate.store.store import Store
 __all__ = ["UnknownPersonError", "account_name", "check_link", "link"]
 
 USERS = schema.users.c
+EMAIL = re.compile(r"[^@\s]+@[^@\s]+")
 
 
 class UnknownPersonError(StoreError):
@@ -55,6 +57,8 @@ def _check(connection: Connection, name: str, email: str | None, issuer: str | N
         raise StoreError("subject: expected it together with the address of the provider that it is one of")
     taken = [] if subject is None else _of_subject(connection, issuer, subject)
     if email is not None:
+        if not EMAIL.fullmatch(email):
+            raise StoreError(f"email: found {email[:80]!r}, expected an address such as ann@lab.example")
         taken += _of_email(connection, email)
     others = {row.name for row in taken} - {name}
     if others:

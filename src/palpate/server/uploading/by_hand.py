@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
 
+from palpate.errors import choices
 from palpate.server.security.accounts import Account
 from palpate.server.typed_entries import typed_entry
 from palpate.store.checks import check
@@ -15,6 +16,7 @@ from palpate.store.records import Device, Recording, Setup, ThingRef
 
 __all__ = ["recording_by_hand"]
 
+OTHER = "other"
 KINDS = ("gripper", "arm", "camera", "microphone")
 
 
@@ -34,7 +36,9 @@ def recording_by_hand(fields: Mapping[str, str], who: Account) -> Recording:
     >>> recording_by_hand(given, Account("ann", Role.OWNER)).entries
     (Value(property='mass', value=118.5, sd=None, unit='g'),)
     """
-    device, kind = fields.get("device", ""), fields.get("kind") or "other"
+    device, kind = fields.get("device", ""), fields.get("kind") or OTHER
+    if kind not in (OTHER, *KINDS):
+        raise StoreError(f"kind: found {kind[:40]!r}; {choices((OTHER, *KINDS))}")
     found = Recording(
         recorded_at=_moment(fields.get("recorded_at", "")),
         action=fields.get("action", ""),
@@ -55,7 +59,7 @@ def recording_by_hand(fields: Mapping[str, str], who: Account) -> Recording:
 def _setup(name: str, kind: str) -> Setup:
     if not name:
         return Setup()
-    if kind not in KINDS:
+    if kind == OTHER:
         return Setup(other=(Device("other", name),))
     named: dict[str, Any] = {kind: Device(kind, name)}
     return Setup(**named)

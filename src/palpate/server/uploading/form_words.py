@@ -25,6 +25,7 @@ FIELDS: Mapping[str, str] = {
     "setup.arm.name": "Device",
     "setup.camera.name": "Device",
     "setup.microphone.name": "Device",
+    "kind": "Kind of device",
     "visibility": "Who may see it",
     "into": "Data set and name of the other one",
     "shows_name": "Others may learn its name",
