@@ -21,7 +21,7 @@ from palpate.server.security.accounts import Role, add_user
 from palpate.server.security.tokens import issue
 from palpate.store.opening import open_store
 from palpate.store.records import ThingRef
-from tests.server.serving import served
+from tests.server.serving import free_port, served
 from tests.store.made_up import squeeze
 
 
@@ -97,6 +97,22 @@ def test_the_printed_key_opens_what_is_private(tmp_path: Path) -> None:
         asked = Request(f"{address}/api/v1/recordings", headers={"Cookie": f"palpate-key={key}"})
         assert squeeze().digest.encode() in urlopen(asked).read()
         assert squeeze().digest.encode() not in urlopen(f"{address}/api/v1/recordings").read()
+
+
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_its_address_is_told_once_it_answers(tmp_path: Path, workers: str) -> None:
+    """Whoever reads the first line may ask at once; it is told once, however many workers there are."""
+    port = str(free_port())
+    command = [sys.executable, "-m", "palpate", "serve", "--store", str(tmp_path / "store.sqlite"), "--port", port]
+    with subprocess.Popen([*command, "--workers", workers], stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            assert process.stdout.readline() == f"Palpate is at http://127.0.0.1:{port}/ as the public sees it.\n"
+            assert urlopen(f"http://127.0.0.1:{port}/health").status == 200
+        finally:
+            process.send_signal(signal.SIGTERM)
+        rest = process.stdout.read().splitlines()
+    assert [line.partition(":")[0] for line in rest] == ["As the owner of the store", "Stop it with Ctrl-C."]
 
 
 def test_what_a_recorder_says_by_default_arrives(tmp_path: Path) -> None:

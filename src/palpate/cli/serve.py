@@ -66,8 +66,7 @@ def serve(
         contact=contact,
         **elsewhere,
     )
-    tell(settings, reached)
-    run(settings, address, workers=workers)
+    run(settings, address, lambda: tell(settings, reached), workers=workers)
 
 
 def check_installed() -> None:

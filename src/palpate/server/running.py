@@ -8,7 +8,7 @@ import re
 import secrets
 import socket
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from tempfile import TemporaryDirectory
@@ -17,6 +17,7 @@ from urllib.parse import SplitResult, urlsplit
 import uvicorn
 
 from palpate.errors import PalpateError
+from palpate.server.announcing import run
 from palpate.server.security.connections import MindedConnection
 from palpate.server.security.request_heads import LARGEST_HEADERS_BYTES
 from palpate.server.settings import Settings
@@ -142,12 +143,12 @@ def local_key() -> str:
     return secrets.token_urlsafe(24)
 
 
-def serve(settings: Settings, address: Address, *, workers: int = 1) -> None:
-    """Serve until told to stop; then answer what is under way, and no more."""
+def serve(settings: Settings, address: Address, tell: Callable[[], object], *, workers: int = 1) -> None:
+    """Serve until told to stop; then answer what is under way, and no more. Who asks after `tell` is answered."""
     with _shared_metrics(workers), TemporaryDirectory(prefix="palpate-previews-") as previews:
         replace(settings, previews=previews).to_environment()
         _allow_files()
-        uvicorn.run(
+        config = uvicorn.Config(
             "palpate.server.app:from_environment",
             factory=True,
             host=address.host,
@@ -162,6 +163,7 @@ def serve(settings: Settings, address: Address, *, workers: int = 1) -> None:
             timeout_graceful_shutdown=GRACE_S,
             h11_max_incomplete_event_size=LARGEST_HEADERS_BYTES,
         )
+        run(config, tell)
 
 
 def _allow_files() -> None:
