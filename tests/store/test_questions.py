@@ -2,11 +2,13 @@
 
 from palpate.store.counting import Counts, counted
 from palpate.store.describing import change_thing
+from palpate.store.entries import Value
 from palpate.store.keeping_episodes import put_episode
 from palpate.store.merging import merge_things
 from palpate.store.records import Device, Setup, ThingRef
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer
+from palpate.store.visible_setups import Choices, seen_choices
 from palpate.store.visible_things import list_visible_things, things_by_name, visible_thing
 from tests.store.asked import questions
 from tests.store.made_up import made_episode, squeeze
@@ -31,6 +33,19 @@ def test_what_there_is_is_counted_by_one_question(store: Store) -> None:
         found = counted(store, PUBLIC), counted(store, Viewer("ann", lab=True)), counted(store, BOB)
     assert found == (Counts(2, 2, 2, 1), Counts(4, 3, 3, 2), Counts(4, 3, 3, 2))
     assert len(asked) == len(found)
+
+
+def test_what_recordings_are_found_by_is_one_question(store: Store) -> None:
+    """Actions, properties and grippers, of each those of a recording that is seen, known to be true or not."""
+    fill(store)
+    store.put(squeeze(7, thing=A, action="weighing", ground_truth=True, visibility="public"))
+    store.put(squeeze(8, thing=C, action="hiding", ground_truth=True, entries=(Value("secrecy", 1.0),), owner="ann"))
+    with questions(store.engine) as asked:
+        public, ann, every = (seen_choices(store, viewer) for viewer in (PUBLIC, Viewer("ann"), BOB))
+    hands, hand = ("hand of a", "hand of b", "hand of c", "two_finger"), ("hand of a", "hand of b", "two_finger")
+    assert public == Choices(("squeezing", "weighing"), ("elasticity",), hand)
+    assert ann == every == Choices(("hiding", "squeezing", "weighing"), ("elasticity", "secrecy"), hands)
+    assert len(asked) == 3
 
 
 def listed(store: Store, viewer: Viewer) -> tuple[list[int], int]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-from sqlalchemy import CTE, Select, Table, exists, func, select
+from sqlalchemy import CTE, Select, Table, exists, func, literal, select, union_all
 
 from palpate.store import schema
 from palpate.store.fetching import setup_of
@@ -17,17 +18,27 @@ from palpate.store.units import deciding_units
 from palpate.store.viewing import Viewer
 
 __all__ = [
+    "Choices",
     "SeenDevice",
     "SeenProperty",
     "SeenSetup",
     "gripper_names",
     "result_counts",
-    "seen_actions",
+    "seen_choices",
     "seen_devices",
     "seen_grippers",
     "seen_properties",
     "seen_setups",
 ]
+
+
+@dataclass(frozen=True)
+class Choices:
+    """Names by which recordings can be found."""
+
+    actions: tuple[str, ...]
+    properties: tuple[str, ...]
+    grippers: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -57,17 +68,31 @@ class SeenProperty:
     unit: str | None
 
 
-def seen_actions(store: Store, viewer: Viewer) -> tuple[str, ...]:
-    """All actions of which a recording is seen, by name; the first that is seen is enough to know."""
-    found, recordings = set[str | None](), schema.recordings
+def seen_choices(store: Store, viewer: Viewer) -> Choices:
+    """All that recordings which are seen can be found by; the first that is seen is enough to know.
+
+    It is one question, as each takes a database time to plan.
+    """
+    kinds = {
+        "actions": _action_names(viewer),
+        "properties": [_property_names(viewer)],
+        "grippers": [gripper_names(viewer)],
+    }
+    asked = [select(literal(kind), one.subquery().columns[0]) for kind, some in kinds.items() for one in some]
+    found: dict[str, set[str]] = {kind: set() for kind in kinds}
     with reading(store.engine) as connection:
-        # the index of actions begins with this
-        for known in (False, True):
-            is_known = recordings.c.ground_truth == known
-            names = _each_value(recordings, "action", ground_truth=known)
-            is_seen = exists().where(is_known, recordings.c.action == names.c.value, viewer.of(recordings))
-            found.update(connection.scalars(select(names).where(is_seen)))
-    return tuple(sorted(name for name in found if name is not None))
+        for kind, name in connection.execute(union_all(*asked)):
+            found[kind].add(name)
+    return Choices(**{kind: tuple(sorted(names)) for kind, names in found.items()})
+
+
+def _action_names(viewer: Viewer) -> Iterator[Select[str]]:
+    recordings = schema.recordings
+    # the index of actions begins with this
+    for known in (False, True):
+        names = _each_value(recordings, "action", ground_truth=known)
+        of_it = recordings.c.ground_truth == known, recordings.c.action == names.c.value
+        yield select(names.c.value).where(names.c.value.is_not(None), exists().where(*of_it, viewer.of(recordings)))
 
 
 def seen_setups(store: Store, viewer: Viewer, digest: bytes | None = None) -> tuple[SeenSetup, ...]:
@@ -117,16 +142,20 @@ def gripper_names(viewer: Viewer) -> Select[str]:
 
 def seen_properties(store: Store, viewer: Viewer) -> tuple[SeenProperty, ...]:
     """All properties of which a result is seen, by name; the first that is seen is enough to know."""
-    names, entries, recordings = _each_value(schema.entries, "property"), schema.entries.c, schema.recordings
-    asked = select(names).where(names.c.value.is_not(None))
-    if not viewer.everything:
-        result = entries.property.table.join(recordings, recordings.c.id == entries.recording_id)
-        is_seen = exists().select_from(result).where(entries.property == names.c.value, viewer.of(recordings))
-        asked = asked.where(is_seen)
     with reading(store.engine) as connection:
         units = deciding_units(connection)
-        found = sorted(connection.scalars(asked))
+        found = sorted(connection.scalars(_property_names(viewer)))
     return tuple(SeenProperty(name, units.get(name)) for name in found)
+
+
+def _property_names(viewer: Viewer) -> Select[str]:
+    names, entries, recordings = _each_value(schema.entries, "property"), schema.entries.c, schema.recordings
+    asked = select(names.c.value).where(names.c.value.is_not(None))
+    if viewer.everything:
+        return asked
+    result = entries.property.table.join(recordings, recordings.c.id == entries.recording_id)
+    is_seen = exists().select_from(result).where(entries.property == names.c.value, viewer.of(recordings))
+    return asked.where(is_seen)
 
 
 def result_counts(store: Store, viewer: Viewer) -> dict[str, int]:
@@ -145,7 +174,7 @@ def _each_value(table: Table, column: str, **same: object) -> CTE:
     first = select(func.min(table.c[column]).label("value")).where(
         *(table.c[name] == one for name, one in same.items())
     )
-    values = first.cte("every_value", recursive=True)
+    values = first.cte("_".join(("every", column, *map(str, same.values()))), recursive=True)
     next_ = select(func.min(following[column])).where(*(following[name] == one for name, one in same.items()))
     next_ = next_.where(following[column] > values.c.value)
     return values.union_all(select(next_.scalar_subquery()).where(values.c.value.is_not(None)))

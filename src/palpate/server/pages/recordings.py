@@ -36,7 +36,7 @@ from palpate.store.listing import list_recordings
 from palpate.store.parts import log_of
 from palpate.store.store import Store
 from palpate.store.viewing import Viewer, VisibleFilter
-from palpate.store.visible_setups import seen_actions, seen_grippers, seen_properties
+from palpate.store.visible_setups import seen_choices
 from palpate.store.visible_things import ThingFilter, list_visible_things
 
 __all__ = ["router"]
@@ -61,9 +61,7 @@ def rows(request: Request, store: StoreOf, who: Who, query: Annotated[RecordingQ
         rows=found.rows,
         cursor=found.cursor,
         asked=query,
-        actions=seen_actions(store, who.viewer),
-        properties=[one.name for one in seen_properties(store, who.viewer)],
-        grippers=seen_grippers(store, who.viewer),
+        choices=seen_choices(store, who.viewer),
         alike=alike[:OFFERED],
         is_more=len(alike) > OFFERED,
     )
