@@ -106,7 +106,7 @@ def test_browse_search_and_open_a_recording(page: Any) -> None:
 def test_filters_leave_no_empty_fields_in_the_address(page: Any) -> None:
     """An address that one may send to somebody has only what was asked."""
     page.goto("/recordings")
-    page.get_by_label("Action", exact=True).fill("weighing")
+    page.get_by_role("combobox", name="Action", exact=True).select_option("weighing")
     page.get_by_role("button", name="Search").click()
     page.wait_for_url("**/recordings?action=weighing&sort=recorded")
     assert set(page.locator("tbody td:nth-child(3)").all_inner_texts()) == {"weighing"}
