@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from psycopg import OperationalError
+from psycopg.errors import AdminShutdown
 from sqlalchemy import PoolProxiedConnection
 
 from palpate.cli import main
@@ -74,6 +76,26 @@ def test_a_restarted_server_is_waited_for(served: Store) -> None:
     assert counts == sorted(set(counts)), "after each restart it went on"
     assert [served.get(digest).digest for digest in acknowledged] == acknowledged
     assert list(verify(served)) == []
+
+
+def test_a_server_that_stops_in_the_middle_of_many_rows_is_waited_for(served: Store) -> None:
+    """Its driver stumbles over the word that it stops, and says only that it is busy: what went before counts."""
+    done = list[str]()
+
+    def put() -> str:
+        with served._statements.transaction() as cursor:
+            cursor.execute("SELECT 1")
+            if not done:
+                done.append("lost")
+                try:
+                    raise AdminShutdown("terminating connection due to administrator command")
+                except AdminShutdown:
+                    raise OperationalError("cannot exit pipeline mode while busy")  # noqa: B904 - as the driver does
+        return "put"
+
+    assert patiently(put) == "put"
+    assert done == ["lost"]
+    assert served.put(squeeze()).new
 
 
 def test_an_import_goes_on_after_a_restart(served: Store, tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from sqlalchemy import Engine, PoolProxiedConnection, Table
 from sqlalchemy.engine.interfaces import DBAPICursor
 
 from palpate.store.chunks import chunks
-from palpate.store.outages import outage
+from palpate.store.outages import is_gone, outage
 from palpate.store.upload_order import DRAW
 
 __all__ = ["Statements"]
@@ -56,7 +56,7 @@ class Statements:
             yield cursor
             connection.commit()
         except self._engine.dialect.loaded_dbapi.Error as error:
-            lost = self._engine.dialect.is_disconnect(error, connection, None)
+            lost = self._engine.dialect.is_disconnect(error, connection, None) or is_gone(error)
             if lost:
                 connection.invalidate(error)
             self._raise_outage(error, lost=lost)

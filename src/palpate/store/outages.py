@@ -14,7 +14,7 @@ from sqlalchemy.exc import DataError
 
 from palpate.store.errors import DamagedError, IncompleteError, StoreError, UnavailableError
 
-__all__ = ["LostError", "not_asked", "not_kept", "outage", "patiently", "tell_outages"]
+__all__ = ["LostError", "is_gone", "not_asked", "not_kept", "outage", "patiently", "tell_outages"]
 
 PATIENCE_S = 30.0
 """How long a server may be away, as while it is restarted."""
@@ -25,6 +25,8 @@ UNDECODED = "Could not decode to UTF-8"
 MISSING = ("no such table", "no such column")
 MISSING_STATES = ("42P01", "42703")
 """PostgreSQL's codes for tables and columns."""
+GONE = ("57P", "08")
+"""Its classes of errors for a server that is told to stop, and for a connection that broke."""
 NOT_TAKEN = ("22", "54")
 """PostgreSQL's classes of errors for what is sent: no data of its type, and more than its limits allow."""
 NOT_ASKED = (None, "22003", "22021", "22P05")
@@ -44,8 +46,18 @@ def tell_outages(engine: Engine) -> None:
         # a connection that waited in the pool is replaced without a word
         if context.is_pre_ping:
             return None
+        context.is_disconnect = context.is_disconnect or is_gone(context.original_exception)
         lost = context.is_disconnect or context.connection is None
         return outage(engine, context.original_exception, lost=lost)
+
+
+def is_gone(error: BaseException | None) -> bool:
+    """Whether PostgreSQL said that it goes away, also where its driver stumbled over that and said something else."""
+    while error is not None:
+        if (getattr(error, "sqlstate", None) or "").startswith(GONE):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def outage(engine: Engine, error: BaseException, *, lost: bool) -> StoreError | None:
