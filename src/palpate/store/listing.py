@@ -106,20 +106,17 @@ def list_recordings(
         If a recording is not what was written.
     """
     sort = sort or Sort()
-    lists = Lists(schema.recordings, sort, sort.column, _viewer_of(wanted))
+    viewer = wanted.viewer if isinstance(wanted, VisibleFilter) else Viewer(everything=True)
+    lists = Lists(schema.recordings, sort, sort.column, viewer)
     with reading(store.engine) as connection:
         after = None if cursor is None else lists.end_at(connection, cursor)
         matched = matching(wanted or Filter(), sort, after, limit)
         if sort == AS_THEY_COME and (last := settled(connection)) is not None:
             matched = matched.where(schema.recordings.c.id <= last)
         ends, rows = _ends_and_rows(connection, matched, sort)
-        names = _names(connection, rows, wanted)
+        names = _names(connection, rows, viewer)
         listed = tuple(_whole(rows, names, damaged))
     return Page(listed, lists.cursor_after(ends[-1], rows[-1]) if len(ends) == limit and ends else None)
-
-
-def _viewer_of(wanted: Filter | None) -> Viewer:
-    return wanted.viewer if isinstance(wanted, VisibleFilter) else Viewer(everything=True)
 
 
 def _ends_and_rows(
@@ -171,11 +168,11 @@ def _columns() -> Select[*tuple[Any, ...]]:
 
 
 def _names(
-    connection: Connection, rows: Iterable[Mapping[Any, Any] | DamagedError], wanted: Filter | None
+    connection: Connection, rows: Iterable[Mapping[Any, Any] | DamagedError], viewer: Viewer
 ) -> Mapping[int, str | None]:
     """Common names of the objects, those that may be seen where somebody looks."""
     names = {row["thing_id"]: row["common_name"] for row in rows if not isinstance(row, DamagedError)}
-    return seen_names(connection, wanted.viewer, names) if isinstance(wanted, VisibleFilter) else names
+    return seen_names(connection, viewer, names)
 
 
 def _whole(

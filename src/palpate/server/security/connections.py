@@ -44,7 +44,7 @@ class MindedConnection(H11Protocol):
         super().connection_made(transport)
         _keep_little_unsent(transport)
         # what is asked on it may be let go, in any thread
-        self.app_state = {**self.app_state, "end": partial(self.loop.call_soon_threadsafe, transport.abort)}
+        self.app_state = {**self.app_state, "end": partial(self.loop.call_soon_threadsafe, self.end)}
         self._seen: Any = None
         self._unread = self._idle = 0
         self._is_ended = False

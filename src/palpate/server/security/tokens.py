@@ -16,7 +16,7 @@ from typing import Any
 from sqlalchemy import Connection, Select, bindparam, func, insert, or_, select, update
 
 from palpate.server.security.accounts import Account, Role, no_account
-from palpate.server.security.lifetimes import MICROSECONDS_PER_DAY, SESSION_US, is_of_session
+from palpate.server.security.lifetimes import MICROSECONDS_PER_DAY, SESSION_US, is_of_session, lasts_as_session
 from palpate.store import schema
 from palpate.store.database import asking, changing
 from palpate.store.errors import StoreError
@@ -109,8 +109,10 @@ def issue(
         now = now_us()
         expires = None if days is None else now + int(days * MICROSECONDS_PER_DAY)
         until = min((one for one in (expires, until_us) if one is not None), default=None)
-        # what holds exactly as long as a session would be taken for one
-        return _insert(connection, row.id, role or own, now, until if until != now + SESSION_US else until - 1)
+        if until is not None and lasts_as_session(now, until):
+            # it would be taken for one
+            until -= 1
+        return _insert(connection, row.id, role or own, now, until)
 
 
 def issue_session(store: Store, name: str) -> str:
@@ -219,7 +221,7 @@ def latest_end_us(store: Store, secret: str, *, in_browser: bool) -> int | None:
         row = connection.execute(asked).first()
     if row is None or row.expires_us is None:
         return None
-    is_log_in = in_browser and row.expires_us - row.created_us == SESSION_US
+    is_log_in = in_browser and lasts_as_session(row.created_us, row.expires_us)
     return None if is_log_in else int(row.expires_us)
 
 
@@ -230,7 +232,7 @@ def digest_of(secret: str) -> bytes:
 
 def _token(row: Any) -> Token:
     expires_at, revoked_at = (None if us is None else moment_at(us) for us in (row.expires_us, row.revoked_us))
-    is_session = row.expires_us is not None and row.expires_us - row.created_us == SESSION_US
+    is_session = lasts_as_session(row.created_us, row.expires_us)
     return Token(row.id, row.name, row.role, moment_at(row.created_us), expires_at, revoked_at, is_session)
 
 
